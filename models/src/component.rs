@@ -1,0 +1,58 @@
+//! The contract that each half of the co-simulation fulfils. FMI is built on it elsewhere.
+
+use std::path::PathBuf;
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use crate::signals::Interface;
+use crate::{ConfigError, Ticks};
+
+/// What an instance is made from: the only things that may differ between two instances.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Scenario file; it names the vehicle file relative to itself.
+    pub scenario_file: PathBuf,
+}
+
+/// What came of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepReport {
+    /// Something discrete happened (touchdown, cut-off, tip-over …).
+    pub event: bool,
+    /// The run has reached its end; further steps change nothing worth seeing.
+    pub terminate: bool,
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    #[error("input {name} is {value}: inputs must be finite")]
+    NonFiniteInput { name: String, value: f64 },
+    #[error("state became non-finite at t = {time_s} s: {what}")]
+    Diverged { time_s: f64, what: &'static str },
+}
+
+/// A constant configuration (`Self`) and an explicit, plain state (`State`).
+///
+/// `State: Clone` is FMI's get/set state, `Serialize` its serialisation; a state restored in
+/// another instance, thread or process continues bit for bit.
+pub trait Component: Sized {
+    const INTERFACE: &'static Interface;
+    type State: Clone + Serialize + DeserializeOwned;
+
+    /// Reads the files that `settings` names and returns the state at t = 0.
+    fn create(settings: &Settings) -> Result<(Self, Self::State), ModelError>;
+
+    /// Advances by `duration`, inputs held. `inputs` has `INTERFACE.input_len()` scalars in
+    /// table order. On error the state must not be used further.
+    fn step(
+        &self,
+        state: &mut Self::State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<StepReport, ModelError>;
+
+    /// Writes `INTERFACE.output_len()` scalars in table order. Cheap and free of side effects.
+    fn outputs(&self, state: &Self::State, outputs: &mut [f64]);
+}

@@ -1,0 +1,68 @@
+//! Frames and attitude (docs/CONVENTIONS.md has the pictures and the reasons).
+//!
+//! `_w`: world, fixed to the site: origin at the target, x east, y north, z up. Inertial here.
+//! `_b`: body, fixed to the structure: origin O in the footpad plane on the vehicle's axis,
+//! z up along the axis. The paper's vehicle tables have their vertical axis along y;
+//! `from_paper_axes` is the only place that knows.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+/// World axes of a body vector: `attitude_wb * v_b`.
+pub type Attitude = UnitQuaternion<f64>;
+
+/// Paper vehicle axes (x, y up, z) to body axes (x, y, z up): a cyclic, right-handed relabelling.
+pub fn from_paper_axes(v_paper: [f64; 3]) -> [f64; 3] {
+    let [x, y, z] = v_paper;
+    [z, x, y]
+}
+
+/// Attitude from the scalar-first quaternion on the wire; normalised.
+pub fn attitude_from_wxyz(q: [f64; 4]) -> Attitude {
+    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
+}
+
+/// Scalar-first quaternion for the wire.
+pub fn attitude_to_wxyz(attitude_wb: &Attitude) -> [f64; 4] {
+    [attitude_wb.w, attitude_wb.i, attitude_wb.j, attitude_wb.k]
+}
+
+/// Attitude from roll, pitch, yaw in degrees: turns about x, then y, then z, world axes.
+pub fn attitude_from_roll_pitch_yaw_deg(angles_deg: [f64; 3]) -> Attitude {
+    let [roll, pitch, yaw] = angles_deg.map(f64::to_radians);
+    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+}
+
+/// Angle between the body's axis and the vertical, rad.
+pub fn tilt_rad(attitude_wb: &Attitude) -> f64 {
+    let up_w = attitude_wb * Vector3::z();
+    // atan2 keeps full precision near zero, where acos(z) loses half the digits.
+    up_w.xy().norm().atan2(up_w.z)
+}
+
+/// `(r·r) I - r rᵀ`: times a mass, the parallel-axis (Steiner) term of an inertia tensor.
+pub fn steiner(r: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() * r.norm_squared() - r * r.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paper_axes_stay_right_handed() {
+        let x = Vector3::from(from_paper_axes([1.0, 0.0, 0.0]));
+        let y = Vector3::from(from_paper_axes([0.0, 1.0, 0.0]));
+        let z = Vector3::from(from_paper_axes([0.0, 0.0, 1.0]));
+        assert_eq!(x.cross(&y), z);
+        assert_eq!(y, Vector3::z(), "the paper's vertical axis must become body z");
+    }
+
+    #[test]
+    fn tilt_is_exact_for_small_and_large_angles() {
+        for angle in [1e-9, 0.1, 1.5, 3.0] {
+            let attitude = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+            // Origin: a few roundings of the quaternion.
+            assert!((tilt_rad(&attitude) - angle).abs() < 4e-16 + 4e-15 * angle);
+        }
+    }
+}

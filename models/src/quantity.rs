@@ -1,0 +1,269 @@
+//! Reads vehicle and scenario files so that a wrong one is refused with file, key and reason.
+//!
+//! A number is a table `{ value = 174.0, unit = "kg" }`; a vehicle's numbers also carry
+//! `source` and `grade`. Units are checked, never converted: the file says what the code uses.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value};
+
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConfigError {
+    #[error("{}: cannot be read: {reason}", file.display())]
+    Unreadable { file: PathBuf, reason: String },
+    #[error("{}: not valid TOML: {reason}", file.display())]
+    Syntax { file: PathBuf, reason: String },
+    #[error("{}: key `{key}`: {reason}", file.display())]
+    Key { file: PathBuf, key: String, reason: String },
+}
+
+/// How well a number is known. A vehicle file grades every one.
+pub const GRADES: [&str; 4] = ["documented", "derived", "assumed", "unknown"];
+
+/// What a number must satisfy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    Any,
+    Positive,
+    NotNegative,
+    /// Closed interval.
+    Within(f64, f64),
+}
+
+impl Limit {
+    fn violated_by(self, value: f64) -> Option<String> {
+        let (ok, need) = match self {
+            Self::Any => (true, String::new()),
+            Self::Positive => (value > 0.0, "must be greater than 0".to_owned()),
+            Self::NotNegative => (value >= 0.0, "must not be negative".to_owned()),
+            Self::Within(low, high) => {
+                ((low..=high).contains(&value), format!("must lie in [{low}, {high}]"))
+            }
+        };
+        (!ok).then_some(need)
+    }
+}
+
+/// One table of a file. Every key that nobody asked for is an error at `finish`.
+pub struct Section {
+    file: PathBuf,
+    path: String,
+    table: Table,
+    /// Vehicle files must say where each number comes from.
+    provenance: bool,
+    used: RefCell<BTreeSet<String>>,
+}
+
+impl Section {
+    /// The root table of `file`. With `provenance`, numbers need `source` and `grade`.
+    pub fn read(file: &Path, provenance: bool) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
+            file: file.to_owned(),
+            reason: error.to_string(),
+        })?;
+        Self::parse(file, &text, provenance)
+    }
+
+    /// As `read`, from text already in memory; `file` only names it.
+    pub fn parse(file: &Path, text: &str, provenance: bool) -> Result<Self, ConfigError> {
+        let table = text.parse::<Table>().map_err(|error| ConfigError::Syntax {
+            file: file.to_owned(),
+            reason: error.to_string().trim().replace('\n', " "),
+        })?;
+        Ok(Self::over(file.to_owned(), String::new(), table, provenance))
+    }
+
+    fn over(file: PathBuf, path: String, table: Table, provenance: bool) -> Self {
+        Self { file, path, table, provenance, used: RefCell::default() }
+    }
+
+    pub fn error(&self, key: &str, reason: impl Into<String>) -> ConfigError {
+        let key = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        ConfigError::Key { file: self.file.clone(), key, reason: reason.into() }
+    }
+
+    fn take(&self, key: &str) -> Option<&Value> {
+        self.used.borrow_mut().insert(key.to_owned());
+        self.table.get(key)
+    }
+
+    fn need(&self, key: &str) -> Result<&Value, ConfigError> {
+        self.take(key).ok_or_else(|| self.error(key, "is missing"))
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    /// A sub-table that must be there.
+    pub fn section(&self, key: &str) -> Result<Self, ConfigError> {
+        match self.need(key)? {
+            Value::Table(table) => Ok(self.child(key, table.clone())),
+            other => Err(self.error(key, format!("must be a table, is {}", other.type_str()))),
+        }
+    }
+
+    /// A sub-table, empty if it isn't there.
+    pub fn optional_section(&self, key: &str) -> Result<Self, ConfigError> {
+        if self.has(key) { self.section(key) } else { Ok(self.child(key, Table::new())) }
+    }
+
+    fn child(&self, key: &str, table: Table) -> Self {
+        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        Self::over(self.file.clone(), path, table, self.provenance)
+    }
+
+    pub fn text(&self, key: &str) -> Result<String, ConfigError> {
+        match self.need(key)? {
+            Value::String(text) => Ok(text.clone()),
+            other => Err(self.error(key, format!("must be text, is {}", other.type_str()))),
+        }
+    }
+
+    /// One of `choices`; the first is the default when the key is absent.
+    pub fn choice(&self, key: &str, choices: &[&'static str]) -> Result<&'static str, ConfigError> {
+        if !self.has(key) {
+            return Ok(choices[0]);
+        }
+        let text = self.text(key)?;
+        choices.iter().copied().find(|choice| *choice == text).ok_or_else(|| {
+            self.error(key, format!("is \"{text}\", must be one of {}", choices.join(", ")))
+        })
+    }
+
+    pub fn number(&self, key: &str, unit: &str, limit: Limit) -> Result<f64, ConfigError> {
+        let value = self.quantity(key, unit)?;
+        let value = self.finite(key, &value)?;
+        self.check(key, value, unit, limit)
+    }
+
+    /// As `number`, or `default` if the key is absent.
+    pub fn number_or(
+        &self,
+        key: &str,
+        unit: &str,
+        limit: Limit,
+        default: f64,
+    ) -> Result<f64, ConfigError> {
+        if self.has(key) { self.number(key, unit, limit) } else { Ok(default) }
+    }
+
+    /// An array of exactly `N` numbers, each within `limit`.
+    pub fn vector<const N: usize>(
+        &self,
+        key: &str,
+        unit: &str,
+        limit: Limit,
+    ) -> Result<[f64; N], ConfigError> {
+        let value = self.quantity(key, unit)?;
+        self.array(key, &value, unit, limit)
+    }
+
+    /// A list of points, each an array of exactly `N` numbers.
+    pub fn points<const N: usize>(
+        &self,
+        key: &str,
+        unit: &str,
+    ) -> Result<Vec<[f64; N]>, ConfigError> {
+        match self.quantity(key, unit)? {
+            Value::Array(rows) => {
+                rows.iter().map(|row| self.array(key, row, unit, Limit::Any)).collect()
+            }
+            other => Err(self.error(key, format!("must be a list, is {}", other.type_str()))),
+        }
+    }
+
+    fn array<const N: usize>(
+        &self,
+        key: &str,
+        value: &Value,
+        unit: &str,
+        limit: Limit,
+    ) -> Result<[f64; N], ConfigError> {
+        let items = value.as_array().filter(|items| items.len() == N).ok_or_else(|| {
+            self.error(key, format!("must be a list of {N} numbers, is {value}"))
+        })?;
+        let mut numbers = [0.0; N];
+        for (slot, item) in numbers.iter_mut().zip(items) {
+            *slot = self.check(key, self.finite(key, item)?, unit, limit)?;
+        }
+        Ok(numbers)
+    }
+
+    /// The `value` of `{ value, unit, … }` after its unit (and provenance) were checked.
+    fn quantity(&self, key: &str, unit: &str) -> Result<Value, ConfigError> {
+        let example = format!("{{ value = …, unit = \"{unit}\" }}");
+        let table = match self.need(key)? {
+            Value::Table(table) => table,
+            Value::Integer(_) | Value::Float(_) | Value::Array(_) => {
+                return Err(self.error(key, format!("has no unit: write {example}")));
+            }
+            other => {
+                let kind = other.type_str();
+                return Err(self.error(key, format!("must be a number {example}, is {kind}")));
+            }
+        };
+        let known: &[&str] =
+            if self.provenance { &["value", "unit", "source", "grade"] } else { &["value", "unit"] };
+        if let Some(stray) = table.keys().find(|name| !known.contains(&name.as_str())) {
+            return Err(self.error(&format!("{key}.{stray}"), "is not known here"));
+        }
+        match table.get("unit").and_then(Value::as_str) {
+            None => return Err(self.error(key, format!("has no unit: write {example}"))),
+            Some(given) if given != unit => {
+                return Err(self.error(key, format!("is in \"{given}\", must be in \"{unit}\"")));
+            }
+            Some(_) => {}
+        }
+        if self.provenance {
+            self.check_provenance(key, table)?;
+        }
+        table.get("value").cloned().ok_or_else(|| self.error(key, "has no value"))
+    }
+
+    fn check_provenance(&self, key: &str, table: &Table) -> Result<(), ConfigError> {
+        if table.get("source").and_then(Value::as_str).is_none_or(|s| s.trim().is_empty()) {
+            return Err(self.error(key, "has no source"));
+        }
+        match table.get("grade").and_then(Value::as_str) {
+            Some(grade) if GRADES.contains(&grade) => Ok(()),
+            _ => Err(self.error(key, format!("needs a grade: one of {}", GRADES.join(", ")))),
+        }
+    }
+
+    fn finite(&self, key: &str, value: &Value) -> Result<f64, ConfigError> {
+        let number = match value {
+            Value::Integer(whole) => *whole as f64,
+            Value::Float(number) => *number,
+            other => {
+                return Err(self.error(key, format!("must be a number, is {}", other.type_str())));
+            }
+        };
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(self.error(key, format!("is {number}, must be finite")))
+        }
+    }
+
+    fn check(&self, key: &str, value: f64, unit: &str, limit: Limit) -> Result<f64, ConfigError> {
+        match limit.violated_by(value) {
+            None => Ok(value),
+            Some(need) => Err(self.error(key, format!("is {value} {unit}, {need}"))),
+        }
+    }
+
+    /// Refuses keys that were never asked for.
+    pub fn finish(self) -> Result<(), ConfigError> {
+        let used = self.used.borrow();
+        match self.table.keys().find(|key| !used.contains(*key)) {
+            None => Ok(()),
+            Some(stray) => {
+                let known: Vec<&str> = used.iter().map(String::as_str).collect();
+                Err(self.error(stray, format!("is not known; known here: {}", known.join(", "))))
+            }
+        }
+    }
+}
