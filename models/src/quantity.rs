@@ -80,7 +80,8 @@ impl Section {
     }
 
     pub fn error(&self, key: &str, reason: impl Into<String>) -> ConfigError {
-        let key = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        let key =
+            if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         ConfigError::Key { file: self.file.clone(), key, reason: reason.into() }
     }
 
@@ -111,7 +112,8 @@ impl Section {
     }
 
     fn child(&self, key: &str, table: Table) -> Self {
-        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        let path =
+            if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         Self::over(self.file.clone(), path, table, self.provenance)
     }
 
@@ -182,9 +184,10 @@ impl Section {
         unit: &str,
         limit: Limit,
     ) -> Result<[f64; N], ConfigError> {
-        let items = value.as_array().filter(|items| items.len() == N).ok_or_else(|| {
-            self.error(key, format!("must be a list of {N} numbers, is {value}"))
-        })?;
+        let items = value
+            .as_array()
+            .filter(|items| items.len() == N)
+            .ok_or_else(|| self.error(key, format!("must be a list of {N} numbers, is {value}")))?;
         let mut numbers = [0.0; N];
         for (slot, item) in numbers.iter_mut().zip(items) {
             *slot = self.check(key, self.finite(key, item)?, unit, limit)?;
@@ -205,8 +208,11 @@ impl Section {
                 return Err(self.error(key, format!("must be a number {example}, is {kind}")));
             }
         };
-        let known: &[&str] =
-            if self.provenance { &["value", "unit", "source", "grade"] } else { &["value", "unit"] };
+        let known: &[&str] = if self.provenance {
+            &["value", "unit", "source", "grade"]
+        } else {
+            &["value", "unit"]
+        };
         if let Some(stray) = table.keys().find(|name| !known.contains(&name.as_str())) {
             return Err(self.error(&format!("{key}.{stray}"), "is not known here"));
         }

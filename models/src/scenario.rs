@@ -183,9 +183,7 @@ fn read_guidance(root: &Section, vehicle: &Vehicle) -> Result<Guidance, ConfigEr
     let guidance = Guidance {
         mode,
         target_w: s.vector("target_w", "m", Limit::Any)?.into(),
-        tilt_max_rad: s
-            .number_or("tilt_max", "deg", Limit::Within(1.0, 80.0), 29.0)?
-            .to_radians(),
+        tilt_max_rad: s.number_or("tilt_max", "deg", Limit::Within(1.0, 80.0), 29.0)?.to_radians(),
         plan_thrust_min_n: s.number_or(
             "plan_thrust_min",
             "N",

@@ -137,12 +137,8 @@ pub const GIMBAL_COMMAND_RAD: Signal = vector(
     "rad",
     "Gimbal command: turns of the thrust line about body x, then about body y",
 );
-pub const RCS_TORQUE_COMMAND_B: Signal = vector(
-    "rcs_torque_command_b",
-    3,
-    "N.m",
-    "Torque asked of the attitude thrusters, body frame",
-);
+pub const RCS_TORQUE_COMMAND_B: Signal =
+    vector("rcs_torque_command_b", 3, "N.m", "Torque asked of the attitude thrusters, body frame");
 
 pub const TRUTH: Interface = Interface {
     model: "lander-truth",
@@ -175,8 +171,16 @@ pub const TRUTH: Interface = Interface {
         ),
         result("position_error_m", "m", "Horizontal distance of O from the target"),
         result("contact_time_s", "s", "Time of first contact"),
-        result("contact_speed_down_m_s", "m/s", "Downward speed of the centre of mass at first contact"),
-        result("contact_speed_across_m_s", "m/s", "Horizontal speed of the centre of mass at first contact"),
+        result(
+            "contact_speed_down_m_s",
+            "m/s",
+            "Downward speed of the centre of mass at first contact",
+        ),
+        result(
+            "contact_speed_across_m_s",
+            "m/s",
+            "Horizontal speed of the centre of mass at first contact",
+        ),
         result("contact_tilt_deg", "deg", "Tilt from the vertical at first contact"),
         result("contact_rate_deg_s", "deg/s", "Magnitude of the angular rate at first contact"),
         result("rest_tilt_deg", "deg", "Tilt from the vertical when the run ended on the ground"),
@@ -187,8 +191,16 @@ pub const TRUTH: Interface = Interface {
             "J",
             "Least energy that was still lacking to tip over any edge since first contact",
         ),
-        result("tip_time_s", "s", "Time at which the centre of mass left the support polygon for good"),
-        result("slide_distance_m", "m", "Horizontal distance of the footprint's centre from its place at first contact"),
+        result(
+            "tip_time_s",
+            "s",
+            "Time at which the centre of mass left the support polygon for good",
+        ),
+        result(
+            "slide_distance_m",
+            "m",
+            "Horizontal distance of the footprint's centre from its place at first contact",
+        ),
         scalar("propellant_used_kg", "kg", "Propellant used"),
         scalar("flight_time_s", "s", "Time from start to first contact, or so far"),
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),

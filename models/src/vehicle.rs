@@ -158,7 +158,9 @@ fn read_gear(root: &Section) -> Result<Gear, ConfigError> {
     let s = root.section("gear")?;
     let feet = s.points::<3>("feet_b", "m")?;
     if !(3..=FOOT_SLOTS).contains(&feet.len()) {
-        return Err(s.error("feet_b", format!("has {} feet, must be 3 to {FOOT_SLOTS}", feet.len())));
+        return Err(
+            s.error("feet_b", format!("has {} feet, must be 3 to {FOOT_SLOTS}", feet.len()))
+        );
     }
     let stroke_max_m = s.number("stroke_max", "m", Limit::Positive)?;
     let crush_1_n = s.number("crush_load_1", "N", Limit::Positive)?;

@@ -1,1 +1,16 @@
+//! The truth: a lander in powered flight and in contact, and what became of it.
+//!
+//! Plain library: no FMI, no output, no clock, no threads. Equations (T.n) in the README.
 
+pub mod contact;
+pub mod engine;
+pub mod flight;
+pub mod gear;
+pub mod stability;
+pub mod terrain;
+pub mod verdict;
+
+mod model;
+mod outputs;
+
+pub use model::{State, TruthModel};

@@ -1,0 +1,100 @@
+//! What the paper prints for BUG against what the vehicle file and the mass model give.
+//! Tolerances: half of the last printed digit, unless a line says otherwise.
+
+use std::path::Path;
+
+use lander_models::frames::from_paper_axes;
+use lander_models::quantity::{Limit, Section};
+use lander_models::vehicle::{G0_M_S2, Vehicle};
+
+const BUG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/vehicles/bug.toml");
+
+fn printed() -> Section {
+    Section::read(Path::new(BUG), true).unwrap().section("as_printed").unwrap()
+}
+
+fn number(key: &str, unit: &str) -> f64 {
+    printed().number(key, unit, Limit::Any).unwrap()
+}
+
+fn column(key: &str, unit: &str) -> [f64; 3] {
+    printed().vector(key, unit, Limit::Any).unwrap()
+}
+
+#[track_caller]
+fn close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} is not {expected} ± {tolerance}");
+}
+
+#[test]
+fn wet_and_dry_rows_are_reproduced_and_the_mid_row_within_0_3_percent() {
+    let mass = Vehicle::load(Path::new(BUG)).unwrap().mass;
+    let rows = [
+        ("inertia_paper_xx_wet_mid_dry", 0),
+        ("inertia_paper_yy_wet_mid_dry", 1),
+        ("inertia_paper_zz_wet_mid_dry", 2),
+    ];
+    // The mid row's fill is not printed; its CoM height is, and it fixes the fill.
+    let fill_at = |com_m: f64| {
+        let (dry, fuel) = (&mass.dry, &mass.propellant);
+        dry.mass_kg * (com_m - dry.com_b.z) / (fuel.com_b.z - com_m)
+    };
+    for (n, propellant_kg) in [85.5, fill_at(1.45), 0.0].into_iter().enumerate() {
+        let now = mass.at(propellant_kg);
+        close(now.com_b.z, column("com_height_wet_mid_dry", "m")[n], 0.005);
+        // The mid row's is 5.6 mm on the line between two ends that are rounded to 5 mm each.
+        let lateral_m = if n == 1 { 0.01 } else { 0.005 };
+        close(now.com_b.x, column("com_lateral_wet_mid_dry", "m")[n], lateral_m);
+        for (key, axis) in rows {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            let axis_b = nalgebra::Vector3::from(from_paper_axes(unit));
+            let expected = column(key, "kg.m2")[n];
+            // Wet and dry to the printed digit; mid: its height is rounded to 0.35 % of inertia.
+            let tolerance = if n == 1 { 0.0035 * expected } else { 0.05 };
+            close(axis_b.dot(&(now.inertia_b * axis_b)), expected, tolerance);
+        }
+    }
+}
+
+#[test]
+fn derived_figures_agree_with_the_printed_ones() {
+    let vehicle = Vehicle::load(Path::new(BUG)).unwrap();
+    let (mass, engine) = (&vehicle.mass, &vehicle.engine);
+    let diameter_m = number("footprint_diameter", "m");
+    for foot_b in &vehicle.gear.feet_b {
+        close(2.0 * foot_b.xy().norm(), diameter_m, 1e-6);
+    }
+    close(mass.wet_mass_kg(), number("wet_mass", "kg"), 0.05);
+    close(vehicle.hull.top_height_m / diameter_m, number("aspect_ratio", "1"), 0.005);
+    close(
+        mass.propellant.capacity_kg / mass.wet_mass_kg(),
+        number("propellant_fraction", "1"),
+        0.005,
+    );
+    close(engine.thrust_max_n / engine.thrust_min_n, number("throttle_ratio", "1"), 0.05);
+    let earth_weight_n = mass.wet_mass_kg() * G0_M_S2;
+    close(engine.thrust_max_n / earth_weight_n, number("thrust_to_earth_weight", "1"), 0.05);
+    let delta_v = engine.isp_s * G0_M_S2 * (mass.wet_mass_kg() / mass.dry.mass_kg).ln();
+    close(delta_v, number("delta_v", "m/s"), 0.5);
+    let wet = mass.at(mass.propellant.capacity_kg);
+    let tip_deg = (0.5 * diameter_m).atan2(wet.com_b.z).to_degrees();
+    close(tip_deg, number("tip_angle", "deg"), 0.5);
+    let critical_deg = (mass.wet_mass_kg() * 1.625 / engine.thrust_min_n).acos().to_degrees();
+    close(critical_deg, number("critical_tilt", "deg"), 0.5);
+    let isp = printed().vector::<2>("specific_impulse_range", "s", Limit::Positive).unwrap();
+    close(0.5 * (isp[0] + isp[1]), engine.isp_s, 1e-9);
+    let tilt_deg = number("body_tilt_max", "deg") - number("guidance_tilt_max", "deg");
+    close(tilt_deg, 5.0, 1e-9);
+}
+
+#[test]
+fn both_tip_over_tables_follow_from_the_paper_s_formula() {
+    // 0.01°: the paper truncates its last row of Table I (60.255 to 60.25).
+    for [diameter_m, angle_deg] in printed().points::<2>("tip_by_footprint", "m, deg").unwrap() {
+        close((0.5 * diameter_m).atan2(1.0).to_degrees(), angle_deg, 0.01);
+    }
+    for [height_m, angle_deg] in printed().points::<2>("tip_by_height", "m, deg").unwrap() {
+        close(1.0_f64.atan2(height_m).to_degrees(), angle_deg, 0.01);
+    }
+}

@@ -1,0 +1,103 @@
+//! A wrong file is refused with its name, the key and the reason.
+
+use std::path::Path;
+
+use lander_models::scenario::Scenario;
+use lander_models::vehicle::Vehicle;
+
+const SCENARIO: &str = include_str!("../scenarios/landing.toml");
+const BUG: &str = include_str!("../vehicles/bug.toml");
+
+fn bug() -> Vehicle {
+    Vehicle::parse(Path::new("bug.toml"), BUG).unwrap()
+}
+
+/// The error after `from` is replaced by `to` in the default scenario.
+#[track_caller]
+fn scenario_error(from: &str, to: &str) -> String {
+    assert!(SCENARIO.contains(from), "the scenario no longer has {from}");
+    let text = SCENARIO.replacen(from, to, 1);
+    Scenario::parse(Path::new("landing.toml"), &text, &bug()).unwrap_err().to_string()
+}
+
+#[track_caller]
+fn vehicle_error(from: &str, to: &str) -> String {
+    assert!(BUG.contains(from), "the vehicle no longer has {from}");
+    let text = BUG.replacen(from, to, 1);
+    Vehicle::parse(Path::new("bug.toml"), &text).unwrap_err().to_string()
+}
+
+#[track_caller]
+fn says(error: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(error.contains(part), "`{error}` does not say `{part}`");
+    }
+}
+
+#[test]
+fn an_unknown_key_is_named_with_what_is_known() {
+    let error = scenario_error("friction =", "frction = { value = 1.0, unit = \"1\" }\nfriction =");
+    says(&error, &["landing.toml", "`terrain.frction`", "not known", "friction"]);
+    let error = scenario_error("unit = \"1\" }", "unit = \"1\", sigma = 2 }");
+    says(&error, &["`terrain.friction.sigma`", "not known"]);
+}
+
+#[test]
+fn a_missing_or_wrong_unit_is_told_with_the_right_one() {
+    let error = scenario_error("{ value = 1.625, unit = \"m/s2\" }", "1.625");
+    says(&error, &["landing.toml", "`site.gravity`", "no unit", "m/s2"]);
+    let error = scenario_error("{ value = 1.625, unit = \"m/s2\" }", "{ value = 1.625 }");
+    says(&error, &["`site.gravity`", "no unit"]);
+    let error = scenario_error("unit = \"m/s2\"", "unit = \"ft/s2\"");
+    says(&error, &["`site.gravity`", "ft/s2", "m/s2"]);
+}
+
+#[test]
+fn text_nan_and_a_wrong_length_are_refused() {
+    says(&scenario_error("1.625", "\"lunar\""), &["`site.gravity`", "must be a number", "string"]);
+    says(&scenario_error("1.625", "nan"), &["`site.gravity`", "NaN", "finite"]);
+    says(&scenario_error("1.625", "inf"), &["`site.gravity`", "finite"]);
+    says(
+        &scenario_error("[300.0, 100.0, 500.0]", "[300.0, 100.0]"),
+        &["`initial.position_w`", "3"],
+    );
+    says(&scenario_error("{ value = 1.625, unit = \"m/s2\" }", "\"1.6\""), &["`site.gravity`"]);
+    says(&scenario_error("name = \"landing\"", "name = 3"), &["`name`", "text"]);
+}
+
+#[test]
+fn values_beyond_their_limits_name_the_limit() {
+    says(&scenario_error("value = 85.5", "value = 86.0"), &["`initial.propellant`", "86", "85.5"]);
+    says(&scenario_error("1.625", "-1.0"), &["`site.gravity`", "-1", "greater than 0"]);
+    says(&scenario_error("\"descent\"", "\"ascent\""), &["`guidance.mode`", "ascent", "hop"]);
+    says(&scenario_error("value = 90.0", "value = 0.00015"), &["`run.stop_time`"]);
+    let error = vehicle_error("value = 174.0", "value = -174.0");
+    says(&error, &["bug.toml", "`mass.dry_mass`", "-174", "greater than 0"]);
+}
+
+#[test]
+fn a_vehicle_s_number_needs_its_source_and_grade() {
+    let error = vehicle_error("source = \"paper, Table III\", ", "");
+    says(&error, &["`mass.dry_mass`", "no source"]);
+    let error = vehicle_error("grade = \"documented\"", "grade = \"guessed\"");
+    says(&error, &["`mass.dry_mass`", "grade", "assumed"]);
+}
+
+#[test]
+fn broken_toml_and_a_missing_section_or_file_are_named() {
+    says(&scenario_error("[site]", "[site"), &["landing.toml", "not valid TOML"]);
+    says(&scenario_error("[site]\ngravity", "[sight]\ngravity"), &["`site`", "missing"]);
+    let error = Scenario::load(Path::new("nowhere/x.toml")).unwrap_err().to_string();
+    says(&error, &["nowhere/x.toml", "cannot be read"]);
+}
+
+#[test]
+fn every_shipped_scenario_loads() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        Scenario::load(&entry.unwrap().path()).unwrap();
+        count += 1;
+    }
+    assert!(count >= 5);
+}

@@ -1,0 +1,366 @@
+//! Contact: the only file that names Rapier.
+//!
+//! One hull body and one small footpad body per leg on a prismatic joint along the body axis.
+//! The joint's motor is the strut: an implicit spring-damper towards the crushed length whose
+//! force is capped at the crush load, which makes it flow plastically (T.10). Settings and the
+//! reasons for them: README, "Contact engine".
+
+use lander_models::frames::{Attitude, steiner};
+use lander_models::mass::MassProperties;
+use lander_models::scenario::Terrain;
+use lander_models::time::TICK_S;
+use lander_models::vehicle::{Gear, Vehicle};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use rapier3d_f64::dynamics::{
+    FrictionModel, ImpulseJointHandle, JointAxis, MassProperties as RapierMass, MotorModel,
+    PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+};
+use rapier3d_f64::geometry::{
+    ColliderBuilder, ColliderHandle, Group, InteractionGroups, SharedShape,
+};
+use rapier3d_f64::glamx::{DMat3, DQuat, DVec3};
+use rapier3d_f64::math::Pose;
+use rapier3d_f64::pipeline::PhysicsWorld;
+use serde::{Deserialize, Serialize};
+
+use crate::flight::{Motion, Wrench};
+use crate::gear::{Leg, crush_load_n, crushed_after};
+
+/// Stiffness of pad on ground; with 2 kg feet at 1 ms it meets the energy balance of the crush
+/// stroke within 0.11 %, where the default (60 Hz, overdamped) errs by 2.8 %.
+const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
+/// Sub-steps of one tick; one alone misses tip-over speeds by 3 %.
+const SOLVER_ITERATIONS: usize = 4;
+/// Friction of a captured pad: the lateral hold never gives way, the pad may still lift.
+const CAPTURED_FRICTION: f64 = 1e3;
+/// Radius of gyration of a foot body, m: the footpad with its lower strut.
+const FOOT_GYRATION_M: f64 = 0.1;
+/// The strut may extend this far beyond its free length before the joint stops it, m. The stop
+/// stays away from the resting point: a joint held by its limit alone creeps.
+const EXTENSION_STOP_M: f64 = 0.02;
+/// A contact further away than this carries no load and counts as open, m.
+const TOUCH_GAP_M: f64 = 1e-3;
+
+/// The ground plane as contact sees it.
+const GROUND: InteractionGroups = groups(Group::GROUP_1, Group::GROUP_2);
+const LANDER: InteractionGroups = groups(Group::GROUP_2, Group::GROUP_1);
+
+const fn groups(member: Group, filter: Group) -> InteractionGroups {
+    InteractionGroups {
+        memberships: member,
+        filter,
+        test_mode: rapier3d_f64::geometry::InteractionTestMode::And,
+    }
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Foot {
+    body: RigidBodyHandle,
+    pad: ColliderHandle,
+    joint: ImpulseJointHandle,
+}
+
+/// The contact engine at one instant: plain data, `Clone` and serialisable.
+#[derive(Serialize, Deserialize)]
+pub struct ContactWorld {
+    world: PhysicsWorld,
+    hull: RigidBodyHandle,
+    /// Hull and nozzle: what must not touch.
+    structure: [ColliderHandle; 2],
+    ground: ColliderHandle,
+    feet: Vec<Foot>,
+}
+
+impl Clone for ContactWorld {
+    fn clone(&self) -> Self {
+        // The pipelines are scratch space and start empty, as they do after deserialisation.
+        let world = PhysicsWorld {
+            gravity: self.world.gravity,
+            integration_parameters: self.world.integration_parameters,
+            islands: self.world.islands.clone(),
+            broad_phase: self.world.broad_phase.clone(),
+            narrow_phase: self.world.narrow_phase.clone(),
+            bodies: self.world.bodies.clone(),
+            colliders: self.world.colliders.clone(),
+            impulse_joints: self.world.impulse_joints.clone(),
+            multibody_joints: self.world.multibody_joints.clone(),
+            ..PhysicsWorld::default()
+        };
+        Self { world, feet: self.feet.clone(), ..*self }
+    }
+}
+
+/// What one contact step did to the ground.
+#[derive(Clone, Debug, Default)]
+pub struct Touch {
+    /// Per leg: the pad carries load.
+    pub feet: Vec<bool>,
+    pub structure: bool,
+}
+
+impl ContactWorld {
+    /// Takes over a flying vehicle. The struts start at their crushed length, unloaded.
+    pub fn take_over(
+        vehicle: &Vehicle,
+        terrain: &Terrain,
+        gravity_m_s2: f64,
+        motion: &Motion,
+        legs: &[Leg],
+    ) -> Self {
+        let gravity = DVec3::new(0.0, 0.0, -gravity_m_s2);
+        let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
+        tune(&mut world);
+
+        let friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
+        let ground = world.colliders.insert(
+            ColliderBuilder::new(SharedShape::halfspace(to_glam(&terrain.normal_w())))
+                .friction(friction)
+                .collision_groups(GROUND)
+                .build(),
+        );
+        let mass = vehicle.mass.at(motion.propellant_kg);
+        let hull = world.bodies.insert(hull_body(vehicle, &mass, motion));
+        let structure = insert_structure(&mut world, vehicle, hull, terrain.friction);
+        let feet = vehicle
+            .gear
+            .feet_b
+            .iter()
+            .zip(legs)
+            .map(|(foot_b, leg)| {
+                insert_foot(&mut world, &vehicle.gear, hull, foot_b, leg, motion, friction)
+            })
+            .collect();
+        Self { world, hull, structure, ground, feet }
+    }
+
+    /// Turns gravity, as a tilt table does for the vehicle on it, m/s².
+    pub fn set_gravity_w(&mut self, gravity_w: &Vector3<f64>) {
+        self.world.gravity = to_glam(gravity_w);
+    }
+
+    /// One tick under the given propulsion. Updates the motion and the legs.
+    pub fn step(
+        &mut self,
+        vehicle: &Vehicle,
+        motion: &mut Motion,
+        legs: &mut [Leg],
+        wrench: &Wrench,
+    ) -> Touch {
+        self.set_mass(vehicle, motion);
+        self.apply(vehicle, motion, wrench);
+        for (foot, leg) in self.feet.iter().zip(legs.iter()) {
+            if let Some(joint) = self.world.impulse_joints.get_mut(foot.joint, true) {
+                let gear = &vehicle.gear;
+                joint
+                    .data
+                    .set_motor_position(
+                        JointAxis::LinX,
+                        leg.crushed_m,
+                        gear.stiffness_n_m,
+                        gear.damping_n_s_m,
+                    )
+                    .set_motor_max_force(JointAxis::LinX, crush_load_n(gear, leg.stroke_m));
+            }
+        }
+        self.world.step();
+        self.read_motion(motion);
+        self.read_legs(&vehicle.gear, motion, legs);
+        Touch {
+            feet: self.feet.iter().map(|foot| self.touches(foot.pad)).collect(),
+            structure: self.structure.iter().any(|part| self.touches(*part)),
+        }
+    }
+
+    /// Keeps the velocity of O when the centre of mass moves: Rapier's is that of the centre of mass.
+    fn set_mass(&mut self, vehicle: &Vehicle, motion: &Motion) {
+        let mass = vehicle.mass.at(motion.propellant_kg);
+        let hull = &mut self.world.bodies[self.hull];
+        let (properties, com_b) = hull_mass(&vehicle.gear, &mass);
+        hull.set_additional_mass_properties(properties, true);
+        hull.recompute_mass_properties_from_colliders(&self.world.colliders);
+        hull.set_linvel(to_glam(&motion.point_velocity_w(&com_b)), true);
+    }
+
+    fn apply(&mut self, vehicle: &Vehicle, motion: &Motion, wrench: &Wrench) {
+        let com_b = vehicle.mass.at(motion.propellant_kg).com_b;
+        let com_w = to_glam(&motion.point_position_w(&com_b));
+        let hull = &mut self.world.bodies[self.hull];
+        hull.reset_forces(true);
+        hull.reset_torques(true);
+        // The wrench is about the whole vehicle's centre of mass, not the hull body's.
+        hull.add_force_at_point(to_glam(&(motion.attitude_wb * wrench.force_b)), com_w, true);
+        hull.add_torque(to_glam(&(motion.attitude_wb * wrench.torque_b)), true);
+    }
+
+    fn read_motion(&self, motion: &mut Motion) {
+        let hull = &self.world.bodies[self.hull];
+        motion.position_w = from_glam(hull.translation());
+        motion.attitude_wb = from_glam_rotation(*hull.rotation());
+        let rate_w = from_glam(hull.angvel());
+        motion.rate_b = motion.attitude_wb.inverse() * rate_w;
+        let com_to_origin_w = motion.position_w - from_glam(hull.center_of_mass());
+        motion.velocity_w = from_glam(hull.linvel()) + rate_w.cross(&com_to_origin_w);
+    }
+
+    fn read_legs(&self, gear: &Gear, motion: &Motion, legs: &mut [Leg]) {
+        let axis_w = motion.attitude_wb * Vector3::z();
+        for ((foot, foot_b), leg) in self.feet.iter().zip(&gear.feet_b).zip(legs) {
+            let free_w = motion.point_position_w(&pad_centre_b(gear, foot_b));
+            let pad_w = from_glam(self.world.bodies[foot.body].translation());
+            leg.stroke_m = (pad_w - free_w).dot(&axis_w);
+            leg.load_n = self.strut_load_n(foot);
+            leg.crushed_m = crushed_after(gear, leg.crushed_m, leg.stroke_m);
+        }
+    }
+
+    /// Axial load from the joint's impulses of the last sub-step, compression positive.
+    fn strut_load_n(&self, foot: &Foot) -> f64 {
+        let substep_s = TICK_S / SOLVER_ITERATIONS as f64;
+        let axis = JointAxis::LinX as usize;
+        self.world.impulse_joints.get(foot.joint).map_or(0.0, |joint| {
+            (joint.data.motors[axis].impulse + joint.data.limits[axis].impulse) / substep_s
+        })
+    }
+
+    fn touches(&self, part: ColliderHandle) -> bool {
+        self.world.contact_pair(part, self.ground).is_some_and(|pair| {
+            pair.find_deepest_contact().is_some_and(|(_, contact)| contact.dist < TOUCH_GAP_M)
+        })
+    }
+}
+
+fn tune(world: &mut PhysicsWorld) {
+    let p = &mut world.integration_parameters;
+    p.dt = TICK_S;
+    p.num_solver_iterations = SOLVER_ITERATIONS;
+    p.num_internal_pgs_iterations = 4;
+    p.num_internal_stabilization_iterations = 4;
+    p.friction_model = FrictionModel::Coulomb;
+    p.contact_clustering = false;
+    p.contact_recycling = false;
+    p.max_ccd_substeps = 0;
+    // The default clamps every body to 400 m/s without a word.
+    p.normalized_max_linear_velocity = f64::MAX;
+    p.static_contact_softness = SpringCoefficients::new(PAD_NATURAL_FREQUENCY_HZ, 1.0);
+}
+
+/// Centre of the spherical pad, from O, strut at free length.
+pub fn pad_centre_b(gear: &Gear, foot_b: &Vector3<f64>) -> Vector3<f64> {
+    foot_b + Vector3::z() * gear.pad_radius_m
+}
+
+/// Hull body = vehicle less feet, so that together they have the vehicle's properties.
+fn hull_mass(gear: &Gear, mass: &MassProperties) -> (RapierMass, Vector3<f64>) {
+    let foot_kg = gear.foot_mass_kg;
+    let centres: Vec<_> = gear.feet_b.iter().map(|foot_b| pad_centre_b(gear, foot_b)).collect();
+    let hull_kg = mass.mass_kg - foot_kg * centres.len() as f64;
+    let first_moment_b = mass.com_b * mass.mass_kg - centres.iter().sum::<Vector3<f64>>() * foot_kg;
+    let com_b = first_moment_b / hull_kg;
+    let mut inertia_b = mass.inertia_b - steiner(&(com_b - mass.com_b)) * hull_kg;
+    for centre_b in &centres {
+        inertia_b -= steiner(&(centre_b - mass.com_b)) * foot_kg
+            + Matrix3::identity() * (foot_kg * FOOT_GYRATION_M * FOOT_GYRATION_M);
+    }
+    let columns = inertia_b.as_slice().try_into().unwrap_or([0.0; 9]);
+    let properties =
+        RapierMass::with_inertia_matrix(to_glam(&com_b), hull_kg, DMat3::from_cols_array(&columns));
+    (properties, com_b)
+}
+
+fn hull_body(vehicle: &Vehicle, mass: &MassProperties, motion: &Motion) -> RigidBody {
+    let (properties, com_b) = hull_mass(&vehicle.gear, mass);
+    RigidBodyBuilder::dynamic()
+        .pose(pose(&motion.position_w, &motion.attitude_wb))
+        .linvel(to_glam(&motion.point_velocity_w(&com_b)))
+        .angvel(to_glam(&(motion.attitude_wb * motion.rate_b)))
+        .additional_mass_properties(properties)
+        .can_sleep(false)
+        .allow_fast_rotation(true)
+        .gyroscopic_forces_enabled(true)
+        .build()
+}
+
+fn insert_structure(
+    world: &mut PhysicsWorld,
+    vehicle: &Vehicle,
+    hull: RigidBodyHandle,
+    friction: f64,
+) -> [ColliderHandle; 2] {
+    let (shape, engine) = (&vehicle.hull, &vehicle.engine);
+    let cylinder = |radius_m: f64, bottom_m: f64, top_m: f64| {
+        // Rapier's cylinder stands along y.
+        let upright = Attitude::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+        let centre_b = Vector3::z() * (0.5 * (bottom_m + top_m));
+        ColliderBuilder::cylinder(0.5 * (top_m - bottom_m), radius_m)
+            .position(pose(&centre_b, &upright))
+            .density(0.0)
+            .friction(friction)
+            .collision_groups(LANDER)
+            .build()
+    };
+    let body = cylinder(shape.radius_m, shape.bottom_height_m, shape.top_height_m);
+    let nozzle = cylinder(
+        engine.nozzle_exit_radius_m,
+        engine.nozzle_exit_height_m,
+        engine.pivot_b.z.max(engine.nozzle_exit_height_m + 0.01),
+    );
+    [body, nozzle].map(|part| world.colliders.insert_with_parent(part, hull, &mut world.bodies))
+}
+
+fn insert_foot(
+    world: &mut PhysicsWorld,
+    gear: &Gear,
+    hull: RigidBodyHandle,
+    foot_b: &Vector3<f64>,
+    leg: &Leg,
+    motion: &Motion,
+    friction: f64,
+) -> Foot {
+    let free_b = pad_centre_b(gear, foot_b);
+    let centre_b = free_b + Vector3::z() * leg.crushed_m;
+    let inertia = DVec3::splat(gear.foot_mass_kg * FOOT_GYRATION_M * FOOT_GYRATION_M);
+    let body = world.bodies.insert(
+        RigidBodyBuilder::dynamic()
+            .pose(pose(&motion.point_position_w(&centre_b), &motion.attitude_wb))
+            .linvel(to_glam(&motion.point_velocity_w(&centre_b)))
+            .angvel(to_glam(&(motion.attitude_wb * motion.rate_b)))
+            .additional_mass_properties(RapierMass::new(DVec3::ZERO, gear.foot_mass_kg, inertia))
+            .can_sleep(false)
+            .allow_fast_rotation(true)
+            .build(),
+    );
+    let pad = world.colliders.insert_with_parent(
+        ColliderBuilder::ball(gear.pad_radius_m)
+            .density(0.0)
+            .friction(friction)
+            .collision_groups(LANDER)
+            .build(),
+        body,
+        &mut world.bodies,
+    );
+    let joint = PrismaticJointBuilder::new(DVec3::Z)
+        .local_anchor1(to_glam(&free_b))
+        .local_anchor2(DVec3::ZERO)
+        .contacts_enabled(false)
+        .limits([-EXTENSION_STOP_M, gear.stroke_max_m])
+        .motor_model(MotorModel::ForceBased)
+        .build();
+    Foot { body, pad, joint: world.impulse_joints.insert(hull, body, joint, true) }
+}
+
+fn pose(position: &Vector3<f64>, rotation: &Attitude) -> Pose {
+    let q = rotation.quaternion();
+    Pose::from_parts(to_glam(position), DQuat::from_xyzw(q.i, q.j, q.k, q.w))
+}
+
+fn to_glam(v: &Vector3<f64>) -> DVec3 {
+    DVec3::new(v.x, v.y, v.z)
+}
+
+fn from_glam(v: DVec3) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+fn from_glam_rotation(q: DQuat) -> Attitude {
+    UnitQuaternion::from_quaternion(Quaternion::new(q.w, q.x, q.y, q.z))
+}

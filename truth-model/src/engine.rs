@@ -1,0 +1,88 @@
+//! YUNT V0: throttle range, dead zone, lag, gimbal with rate limit, mass flow (T.4 to T.7).
+
+use lander_models::scenario::Ignition;
+use lander_models::vehicle::{Engine, G0_M_S2};
+use nalgebra::{Vector2, Vector3};
+
+/// Thrust that the engine settles at for a command held, N.
+///
+/// Off at or below 0; in the dead zone combustion is not sustained, so off as well; between the
+/// dead zone and the floor the throttle stop holds it at the floor.
+pub fn thrust_target_n(engine: &Engine, ignition: Ignition, command_n: f64) -> f64 {
+    if ignition == Ignition::Never || command_n < engine.dead_zone_n.max(f64::MIN_POSITIVE) {
+        0.0
+    } else {
+        command_n.clamp(engine.thrust_min_n, engine.thrust_max_n)
+    }
+}
+
+/// Whether a command asks for thrust that the engine cannot sustain.
+pub fn in_dead_zone(engine: &Engine, command_n: f64) -> bool {
+    command_n > 0.0 && command_n < engine.dead_zone_n
+}
+
+/// Gimbal angles within the mechanical limit, each axis by itself.
+pub fn gimbal_target_rad(engine: &Engine, command_rad: Vector2<f64>) -> Vector2<f64> {
+    command_rad.map(|angle| angle.clamp(-engine.gimbal_limit_rad, engine.gimbal_limit_rad))
+}
+
+/// dT/dt of the first-order lag (T.5).
+pub fn thrust_rate_n_s(engine: &Engine, thrust_n: f64, target_n: f64) -> f64 {
+    (target_n - thrust_n) / engine.thrust_lag_s
+}
+
+/// Gimbal rates: first-order lag within the rate limit (T.6).
+pub fn gimbal_rate_rad_s(
+    engine: &Engine,
+    gimbal_rad: Vector2<f64>,
+    target_rad: Vector2<f64>,
+) -> Vector2<f64> {
+    ((target_rad - gimbal_rad) / engine.gimbal_lag_s)
+        .map(|rate| rate.clamp(-engine.gimbal_rate_rad_s, engine.gimbal_rate_rad_s))
+}
+
+/// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
+pub fn thrust_direction_b(gimbal_rad: Vector2<f64>) -> Vector3<f64> {
+    let ((sin_x, cos_x), (sin_y, cos_y)) = (gimbal_rad.x.sin_cos(), gimbal_rad.y.sin_cos());
+    Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)
+}
+
+/// Propellant flow of a thruster, kg/s (T.7).
+pub fn flow_kg_s(thrust_n: f64, isp_s: f64) -> f64 {
+    thrust_n / (isp_s * G0_M_S2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn yunt() -> Engine {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/vehicles/bug.toml");
+        lander_models::Vehicle::load(file.as_ref()).unwrap().engine
+    }
+
+    #[test]
+    fn commands_map_onto_the_throttle_range() {
+        let target = |command| thrust_target_n(&yunt(), Ignition::Nominal, command);
+        for (command, thrust) in [
+            (-5.0, 0.0),
+            (0.0, 0.0),
+            (599.9, 0.0),
+            (600.0, 800.0),
+            (800.0, 800.0),
+            (3000.0, 3000.0),
+            (9000.0, 5200.0),
+        ] {
+            assert_eq!(target(command), thrust, "command {command} N");
+        }
+        assert_eq!(thrust_target_n(&yunt(), Ignition::Never, 3000.0), 0.0);
+    }
+
+    #[test]
+    fn a_positive_gimbal_angle_turns_the_thrust_the_way_its_axis_says() {
+        let about_x = thrust_direction_b(Vector2::new(0.1, 0.0));
+        assert!(about_x.y < 0.0 && about_x.x == 0.0);
+        let about_y = thrust_direction_b(Vector2::new(0.0, 0.1));
+        assert!(about_y.x > 0.0 && about_y.y == 0.0);
+    }
+}

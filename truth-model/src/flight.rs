@@ -1,0 +1,172 @@
+//! Free flight: six degrees of freedom with mass, centre of mass and inertia sampled inside the
+//! stages of a fourth-order Runge-Kutta step (T.1 to T.8 in the README).
+
+use lander_models::Vehicle;
+use lander_models::frames::Attitude;
+use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::engine;
+
+/// Everything that is integrated. Position and velocity are those of the structural origin O,
+/// so a migrating centre of mass moves nothing by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    pub position_w: Vector3<f64>,
+    pub velocity_w: Vector3<f64>,
+    pub attitude_wb: Attitude,
+    pub rate_b: Vector3<f64>,
+    pub propellant_kg: f64,
+    pub thrust_n: f64,
+    pub gimbal_rad: Vector2<f64>,
+}
+
+/// What drives the vehicle during one tick, held constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    pub thrust_target_n: f64,
+    pub gimbal_target_rad: Vector2<f64>,
+    pub rcs_torque_b: Vector3<f64>,
+}
+
+/// Force and torque of the propulsion on the vehicle.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrench {
+    pub force_b: Vector3<f64>,
+    /// About the centre of mass.
+    pub torque_b: Vector3<f64>,
+}
+
+type Packed = SVector<f64, 17>;
+
+impl Motion {
+    fn pack(&self) -> Packed {
+        let q = self.attitude_wb.quaternion().coords;
+        let mut x = Packed::zeros();
+        x.fixed_rows_mut::<3>(0).copy_from(&self.position_w);
+        x.fixed_rows_mut::<3>(3).copy_from(&self.velocity_w);
+        x.fixed_rows_mut::<4>(6).copy_from(&q);
+        x.fixed_rows_mut::<3>(10).copy_from(&self.rate_b);
+        x[13] = self.propellant_kg;
+        x[14] = self.thrust_n;
+        x.fixed_rows_mut::<2>(15).copy_from(&self.gimbal_rad);
+        x
+    }
+
+    fn unpack(x: &Packed) -> Self {
+        Self {
+            position_w: x.fixed_rows::<3>(0).into(),
+            velocity_w: x.fixed_rows::<3>(3).into(),
+            attitude_wb: UnitQuaternion::from_quaternion(Quaternion::from_vector(
+                x.fixed_rows::<4>(6).into(),
+            )),
+            rate_b: x.fixed_rows::<3>(10).into(),
+            propellant_kg: x[13],
+            thrust_n: x[14],
+            gimbal_rad: x.fixed_rows::<2>(15).into(),
+        }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.pack().iter().all(|value| value.is_finite())
+    }
+
+    /// Velocity of a body-fixed point, world frame.
+    pub fn point_velocity_w(&self, point_b: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity_w + self.attitude_wb * self.rate_b.cross(point_b)
+    }
+
+    /// Position of a body-fixed point, world frame.
+    pub fn point_position_w(&self, point_b: &Vector3<f64>) -> Vector3<f64> {
+        self.position_w + self.attitude_wb * point_b
+    }
+}
+
+/// Propulsion at this instant. Dry tanks give nothing, whatever the lag still says.
+pub fn propulsion(vehicle: &Vehicle, motion: &Motion, drive: &Drive) -> Wrench {
+    if motion.propellant_kg <= 0.0 {
+        return Wrench { force_b: Vector3::zeros(), torque_b: Vector3::zeros() };
+    }
+    let com_b = vehicle.mass.at(motion.propellant_kg).com_b;
+    let force_b = engine::thrust_direction_b(motion.gimbal_rad) * motion.thrust_n;
+    let torque_b = (vehicle.engine.pivot_b - com_b).cross(&force_b) + drive.rcs_torque_b;
+    Wrench { force_b, torque_b }
+}
+
+/// Propellant flow of engine and thrusters, kg/s (T.7).
+pub fn propellant_flow_kg_s(vehicle: &Vehicle, motion: &Motion, drive: &Drive) -> f64 {
+    if motion.propellant_kg <= 0.0 {
+        return 0.0;
+    }
+    let rcs_thrust_n = drive.rcs_torque_b.abs().sum() / vehicle.rcs.lever_arm_m;
+    engine::flow_kg_s(motion.thrust_n, vehicle.engine.isp_s)
+        + engine::flow_kg_s(rcs_thrust_n, vehicle.rcs.isp_s)
+}
+
+/// The parts of the derivative that go on while the contact engine owns the motion.
+pub fn internal_rates(
+    vehicle: &Vehicle,
+    motion: &Motion,
+    drive: &Drive,
+) -> (f64, f64, Vector2<f64>) {
+    (
+        -propellant_flow_kg_s(vehicle, motion, drive),
+        engine::thrust_rate_n_s(&vehicle.engine, motion.thrust_n, drive.thrust_target_n),
+        engine::gimbal_rate_rad_s(&vehicle.engine, motion.gimbal_rad, drive.gimbal_target_rad),
+    )
+}
+
+/// Time derivative of the packed state.
+fn derivative(vehicle: &Vehicle, gravity_m_s2: f64, drive: &Drive, x: &Packed) -> Packed {
+    let motion = Motion::unpack(x);
+    let mass = vehicle.mass.at(motion.propellant_kg.max(0.0));
+    let wrench = propulsion(vehicle, &motion, drive);
+    let rate_b = motion.rate_b;
+
+    // (T.2) Euler's equation about the centre of mass.
+    let gyroscopic_b = rate_b.cross(&(mass.inertia_b * rate_b));
+    // A vehicle file admits only positive moments, so the tensor is invertible.
+    let inverse_inertia_b = mass.inertia_b.try_inverse().unwrap_or_default();
+    let angular_acceleration_b = inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
+
+    // (T.1) Acceleration of O from that of the centre of mass.
+    let com_acceleration_b = wrench.force_b / mass.mass_kg;
+    let origin_acceleration_b = com_acceleration_b
+        - angular_acceleration_b.cross(&mass.com_b)
+        - rate_b.cross(&rate_b.cross(&mass.com_b));
+    let acceleration_w = motion.attitude_wb * origin_acceleration_b - Vector3::z() * gravity_m_s2;
+
+    // (T.3) Quaternion kinematics on the raw, unnormalised quaternion of the stage.
+    let q = Quaternion::from_vector(x.fixed_rows::<4>(6).into());
+    let q_dot = q * Quaternion::from_imag(rate_b) * 0.5;
+
+    let (propellant_rate, thrust_rate, gimbal_rate) = internal_rates(vehicle, &motion, drive);
+    let mut dx = Packed::zeros();
+    dx.fixed_rows_mut::<3>(0).copy_from(&motion.velocity_w);
+    dx.fixed_rows_mut::<3>(3).copy_from(&acceleration_w);
+    dx.fixed_rows_mut::<4>(6).copy_from(&q_dot.coords);
+    dx.fixed_rows_mut::<3>(10).copy_from(&angular_acceleration_b);
+    dx[13] = propellant_rate;
+    dx[14] = thrust_rate;
+    dx.fixed_rows_mut::<2>(15).copy_from(&gimbal_rate);
+    dx
+}
+
+/// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8).
+pub fn advance(
+    vehicle: &Vehicle,
+    gravity_m_s2: f64,
+    motion: &Motion,
+    drive: &Drive,
+    step_s: f64,
+) -> Motion {
+    let f = |x: &Packed| derivative(vehicle, gravity_m_s2, drive, x);
+    let x = motion.pack();
+    let k1 = f(&x);
+    let k2 = f(&(x + k1 * (0.5 * step_s)));
+    let k3 = f(&(x + k2 * (0.5 * step_s)));
+    let k4 = f(&(x + k3 * step_s));
+    let mut next = Motion::unpack(&(x + (k1 + (k2 + k3) * 2.0 + k4) * (step_s / 6.0)));
+    next.propellant_kg = next.propellant_kg.max(0.0);
+    next
+}

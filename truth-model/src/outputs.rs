@@ -1,0 +1,96 @@
+//! Truth outputs in the order of the signal table.
+
+use lander_models::frames::{attitude_to_wxyz, tilt_rad};
+use lander_models::signals::FOOT_SLOTS;
+
+use crate::model::{State, TruthModel};
+use crate::terrain;
+
+impl TruthModel {
+    pub(crate) fn write_outputs(&self, state: &State, outputs: &mut [f64]) {
+        let mut at = 0;
+        self.visit_outputs(state, &mut |_, values| {
+            outputs[at..at + values.len()].copy_from_slice(values);
+            at += values.len();
+        });
+    }
+
+    /// Hands every output to `put`, in table order.
+    fn visit_outputs(&self, state: &State, put: &mut dyn FnMut(&'static str, &[f64])) {
+        let motion = &state.motion;
+        let mass = self.vehicle.mass.at(motion.propellant_kg);
+        let touchdown = &state.touchdown;
+        let first = touchdown.first.as_ref();
+        let flag = |on: bool| if on { 1.0 } else { 0.0 };
+        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let per_foot = |values: &mut dyn Iterator<Item = f64>| {
+            let mut slots = [0.0; FOOT_SLOTS];
+            for (slot, value) in slots.iter_mut().zip(values) {
+                *slot = value;
+            }
+            slots
+        };
+        let error_w = motion.position_w - self.scenario.guidance.target_w;
+        let tilt_deg = tilt_rad(&motion.attitude_wb).to_degrees();
+        let ended = touchdown.decided() && first.is_some();
+        let flight_time = first.map_or(state.now, |contact| contact.time);
+        let tip_time = touchdown.unsupported_since.filter(|_| touchdown.decided());
+
+        put("position_w", motion.position_w.as_slice());
+        put("velocity_w", motion.velocity_w.as_slice());
+        put("attitude_wb", &attitude_to_wxyz(&motion.attitude_wb));
+        put("rate_b", motion.rate_b.as_slice());
+        put("specific_force_b", state.specific_force_b.as_slice());
+        put("mass_kg", &[mass.mass_kg]);
+        let altimeter_m = terrain::height_m(&self.scenario.terrain, &motion.position_w);
+        put("altimeter_m", &[altimeter_m]);
+        put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
+        put("propellant_kg", &[motion.propellant_kg]);
+        put("thrust_n", &[motion.thrust_n]);
+        put("gimbal_rad", motion.gimbal_rad.as_slice());
+        put("rcs_torque_b", state.drive.rcs_torque_b.as_slice());
+        put("com_b", mass.com_b.as_slice());
+        put("tilt_deg", &[tilt_deg]);
+        put("foot_stroke_m", &per_foot(&mut state.legs.iter().map(|leg| leg.stroke_m)));
+        put("foot_load_n", &per_foot(&mut state.legs.iter().map(|leg| leg.load_n)));
+        put("foot_clearance_m", &per_foot(&mut self.foot_clearances_m(state)));
+        put("contact_active", &[flag(state.contact.is_some())]);
+        put("outcome", &[touchdown.outcome.code()]);
+        put("position_error_m", &[error_w.xy().norm()]);
+        put("contact_time_s", &[or_nan(first.map(|c| c.time.seconds()))]);
+        put("contact_speed_down_m_s", &[or_nan(first.map(|c| -c.com_velocity_w.z))]);
+        let across = first.map(|c| c.com_velocity_w.xy().norm());
+        put("contact_speed_across_m_s", &[or_nan(across)]);
+        put("contact_tilt_deg", &[or_nan(first.map(|c| c.tilt_rad.to_degrees()))]);
+        put("contact_rate_deg_s", &[or_nan(first.map(|c| c.rate_rad_s.to_degrees()))]);
+        put("rest_tilt_deg", &[or_nan(ended.then_some(tilt_deg))]);
+        put("peak_stroke_m", &[or_nan(first.map(|_| state.peak_stroke_m))]);
+        put("peak_leg_load_n", &[or_nan(first.map(|_| state.peak_load_n))]);
+        put("tip_energy_margin_j", &[or_nan(touchdown.margin_j)]);
+        put("tip_time_s", &[or_nan(tip_time.map(|time| time.seconds()))]);
+        put("slide_distance_m", &[or_nan(first.map(|_| touchdown.slide_m))]);
+        let used_kg = self.scenario.initial.propellant_kg - motion.propellant_kg;
+        put("propellant_used_kg", &[used_kg]);
+        put("flight_time_s", &[flight_time.seconds()]);
+        put("dead_zone_time_s", &[state.dead_zone.seconds()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lander_models::component::{Component, Settings};
+    use lander_models::signals::TRUTH;
+
+    use crate::TruthModel;
+
+    #[test]
+    fn outputs_follow_the_signal_table() {
+        let scenario_file =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../models/scenarios/landing.toml").into();
+        let (model, state) = TruthModel::create(&Settings { scenario_file }).unwrap();
+        let mut written = Vec::new();
+        model.visit_outputs(&state, &mut |name, values| written.push((name, values.len())));
+        let table: Vec<_> = TRUTH.outputs.iter().map(|s| (s.name, s.size)).collect();
+        assert_eq!(written, table);
+    }
+}

@@ -1,0 +1,85 @@
+//! Static tip angle on a tilt table, against the closed form (T.16).
+//!
+//! Tolerance 0.05°: the project's acceptance list. What it leaves room for: the struts give
+//! 0.002° at this stiffness, and the energy barrier 0.05° short of the limit is 0.2 mJ.
+
+mod common;
+
+use common::{GRAVITY_M_S2, rigid_bug};
+use lander_models::frames::tilt_rad;
+use nalgebra::{UnitQuaternion, Vector3};
+use truth_model::TruthModel;
+use truth_model::contact::ContactWorld;
+use truth_model::flight::{Drive, propulsion};
+use truth_model::gear::Leg;
+use truth_model::stability::static_tip_angle_rad;
+
+const TOLERANCE_DEG: f64 = 0.05;
+
+/// Whether the vehicle goes over on a table tilted slowly to `table_deg` and held there.
+/// The table falls towards body x, turned by `heading_deg`.
+fn goes_over(model: &TruthModel, heading_deg: f64, table_deg: f64) -> bool {
+    let mut motion = model.initial_state().motion;
+    let mut legs = vec![Leg::default(); 4];
+    let terrain = &model.scenario.terrain;
+    let mut world = ContactWorld::take_over(&model.vehicle, terrain, GRAVITY_M_S2, &motion, &legs);
+    let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_deg.to_radians());
+    // From 2° short of the angle, smoothly over 8 s, then held for 12 s: ten times the time
+    // constant sqrt(I_edge / (m g r)) = 1.2 s with which a vehicle past its limit falls.
+    for tick in 0..20_000 {
+        let s = ((f64::from(tick) - 500.0) / 8000.0).clamp(0.0, 1.0);
+        let angle = (table_deg - 2.0 * (1.0 - s * s * (3.0 - 2.0 * s))).to_radians();
+        let gravity_w = Vector3::new(angle.sin(), 0.0, -angle.cos()) * GRAVITY_M_S2;
+        world.set_gravity_w(&(heading * gravity_w));
+        let wrench = propulsion(&model.vehicle, &motion, &Drive::default());
+        world.step(&model.vehicle, &mut motion, &mut legs, &wrench);
+        if tilt_rad(&motion.attitude_wb).to_degrees() > 1.0 {
+            return true;
+        }
+    }
+    false
+}
+
+fn measured_tip_angle_deg(model: &TruthModel, heading_deg: f64, expected_deg: f64) -> f64 {
+    let (mut stands, mut falls) = (expected_deg - 0.32, expected_deg + 0.32);
+    assert!(!goes_over(model, heading_deg, stands), "fell 0.32° short of {expected_deg}°");
+    assert!(goes_over(model, heading_deg, falls), "stood 0.32° beyond {expected_deg}°");
+    while falls - stands > 0.02 {
+        let middle = 0.5 * (stands + falls);
+        if goes_over(model, heading_deg, middle) { falls = middle } else { stands = middle }
+    }
+    0.5 * (stands + falls)
+}
+
+fn check(propellant_kg: f64, heading_deg: f64, distance_m: f64) {
+    let mut model = rigid_bug(propellant_kg);
+    model.scenario.terrain.pads_captured = true;
+    let height_m = model.vehicle.mass.at(propellant_kg).com_b.z;
+    let expected_deg = static_tip_angle_rad(distance_m, height_m).to_degrees();
+    let measured_deg = measured_tip_angle_deg(&model, heading_deg, expected_deg);
+    println!("heading {heading_deg}°: {measured_deg:.4}°, closed form {expected_deg:.4}°");
+    assert!((measured_deg - expected_deg).abs() < TOLERANCE_DEG, "{measured_deg}° {expected_deg}°");
+}
+
+const FOOT_M: f64 = 1.885;
+const EDGE_M: f64 = FOOT_M * std::f64::consts::FRAC_1_SQRT_2;
+
+#[test]
+fn over_an_edge_dry() {
+    check(0.0, 0.0, EDGE_M);
+}
+
+#[test]
+fn over_an_edge_wet() {
+    check(85.5, 0.0, EDGE_M);
+}
+
+#[test]
+fn over_a_foot_dry() {
+    check(0.0, 45.0, FOOT_M);
+}
+
+#[test]
+fn over_a_foot_wet() {
+    check(85.5, 45.0, FOOT_M);
+}
