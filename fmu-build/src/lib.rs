@@ -1,1 +1,19 @@
+//! Packs the two shell libraries into FMI 3.0 FMUs, and looks into FMUs.
+//!
+//! Everything that an FMU says about itself is generated from the signal tables in
+//! `lander_models::signals`: `description` writes the XML, `documentation` the HTML page.
 
+mod archive;
+pub mod check;
+pub mod describe;
+mod description;
+mod documentation;
+mod error;
+pub mod model;
+pub mod package;
+mod stamp;
+mod units;
+mod xml;
+
+pub use error::Error;
+pub use stamp::Stamp;

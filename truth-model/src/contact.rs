@@ -38,8 +38,6 @@ const FOOT_GYRATION_M: f64 = 0.1;
 /// The strut may extend this far beyond its free length before the joint stops it, m. The stop
 /// stays away from the resting point: a joint held by its limit alone creeps.
 const EXTENSION_STOP_M: f64 = 0.02;
-/// A contact further away than this carries no load and counts as open, m.
-const TOUCH_GAP_M: f64 = 1e-3;
 
 /// The ground plane as contact sees it.
 const GROUND: InteractionGroups = groups(Group::GROUP_1, Group::GROUP_2);
@@ -222,10 +220,12 @@ impl ContactWorld {
         })
     }
 
+    /// Whether the last step gave the part an impulse. Distance would tell one tick late: Rapier
+    /// stops a part within the tick in which it would reach the ground.
     fn touches(&self, part: ColliderHandle) -> bool {
-        self.world.contact_pair(part, self.ground).is_some_and(|pair| {
-            pair.find_deepest_contact().is_some_and(|(_, contact)| contact.dist < TOUCH_GAP_M)
-        })
+        self.world
+            .contact_pair(part, self.ground)
+            .is_some_and(|pair| pair.total_impulse_magnitude() > 0.0)
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 use common::{GRAVITY_M_S2, bug, on_plane, rigid_bug, run, run_to_verdict};
 use lander_models::component::{Component, Settings};
 use lander_models::{Outcome, Ticks};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use truth_model::stability::captured_tip_speed_m_s;
 use truth_model::{State, TruthModel};
 
@@ -51,12 +51,21 @@ fn a_flat_drop_crushes_what_the_energy_balance_says() {
 
 #[test]
 fn first_contact_is_seen_before_the_impact() {
-    let mut model = on_plane(bug(), 0.0);
-    let state = drop_from(&mut model, 0.5);
-    let first = state.touchdown.first.unwrap();
-    let expected_m_s = (2.0 * GRAVITY_M_S2 * 0.5).sqrt();
-    // One tick of free fall either way: 1.6 mm/s; two for the contact's prediction.
-    assert!((-first.com_velocity_w.z - expected_m_s).abs() < 4e-3, "{}", first.com_velocity_w.z);
+    // Heights that put the contact at different phases of a tick; one foot touches first.
+    for height_m in [0.5, 0.5003, 0.5006, 0.5009, 0.5012] {
+        let mut model = on_plane(bug(), 0.0);
+        model.scenario.initial.attitude_wb = UnitQuaternion::from_euler_angles(0.03, 0.05, 0.0);
+        model.scenario.initial.velocity_w.x = 0.7;
+        let fall_m = height_m + model.foot_clearances_m(&model.initial_state()).fold(0.0, f64::min);
+        let state = drop_from(&mut model, height_m);
+        let first = state.touchdown.first.unwrap();
+        let expected_m_s = (2.0 * GRAVITY_M_S2 * fall_m).sqrt();
+        // One tick of free fall: 1.6 mm/s. After the impact it would be off by decimetres.
+        let error_m_s = -first.com_velocity_w.z - expected_m_s;
+        assert!(error_m_s.abs() < 2e-3, "{height_m} m: {error_m_s} m/s");
+        // Free flight: nothing else has changed but for rounding.
+        assert!((first.com_velocity_w.x - 0.7).abs() < 1e-9 && first.rate_rad_s < 1e-9);
+    }
 }
 
 #[test]

@@ -1,1 +1,30 @@
+//! FMI for any [`Component`](lander_models::Component), written once.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `variables` | value references, names, the interface token: from the signal table |
+//! | `lifecycle` | the states of an instance and the one table of allowed calls |
+//! | `instance` | life cycle and steps, free of any FMI version and of `unsafe` |
+//! | `values` | its variables: get, set and their checks |
+//! | `states` | its stored states |
+//! | `snapshot` | an instance's changing part, and the bytes it is serialised to |
+//! | `guard` | a panic becomes a message |
+//! | `fmi3` | marshals the FMI 3.0 C functions to `Instance`; the only `unsafe` |
+//!
+//! A leaf cdylib makes the C symbols with [`export!`]. No other crate may: two sets of `fmi3*`
+//! symbols in one binary make the linker pick one in silence.
 
+pub mod error;
+pub mod fmi3;
+pub mod guard;
+pub mod instance;
+pub mod lifecycle;
+pub mod logger;
+pub mod snapshot;
+mod states;
+mod values;
+pub mod variables;
+
+pub use error::Error;
+pub use instance::Instance;
+pub use variables::{Variable, token, variables};

@@ -1,0 +1,24 @@
+//! Minimum-fuel powered descent by successive convexification: a library, no clock, no threads.
+//!
+//! [`plan`] starts from nothing, [`replan`] from the remainder of the last plan. Equation numbers
+//! refer to the README of this package.
+
+mod conic;
+mod error;
+mod outer_loop;
+mod plan;
+mod planner;
+mod problem;
+mod start;
+mod structure;
+mod subproblem;
+mod trajectory;
+mod verify;
+
+pub use error::PlanError;
+pub use plan::{Phase, Plan, Report, Sample};
+pub use planner::{plan, replan};
+pub use problem::{FinalTilt, PathLimits, Problem, Reserve, STANDARD_GRAVITY_M_S2, Settings};
+pub use structure::Structure;
+pub use trajectory::Node;
+pub use verify::{LOSSLESS_GAP_MAX, MISS_MAX, THRUST_EXCURSION_MAX};

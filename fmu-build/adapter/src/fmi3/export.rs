@@ -1,0 +1,220 @@
+//! The C symbols: every function of the FMI 3.0 header, because importers look them all up.
+
+/// Exports one [`Component`](lander_models::Component) as an FMI 3.0 FMU. Only for leaf cdylibs.
+#[macro_export]
+macro_rules! export {
+    ($component:ty) => {
+        use $crate::fmi3::{self, Handle, LogMessage, Text};
+
+        #[unsafe(no_mangle)]
+        extern "C" fn fmi3GetVersion() -> Text {
+            fmi3::VERSION.as_ptr()
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn fmi3InstantiateCoSimulation(
+            _instance_name: Text,
+            token: Text,
+            resources: Text,
+            _visible: bool,
+            logging: bool,
+            event_mode: bool,
+            _early_return_allowed: bool,
+            _intermediate_variables: *const u32,
+            _intermediate_variable_count: usize,
+            environment: Handle,
+            log: LogMessage,
+            _intermediate_update: Handle,
+        ) -> Handle {
+            unsafe {
+                fmi3::instantiate::<$component>(
+                    token,
+                    resources,
+                    logging,
+                    event_mode,
+                    environment,
+                    log,
+                )
+            }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn fmi3InstantiateModelExchange(
+            _instance_name: Text,
+            _token: Text,
+            _resources: Text,
+            _visible: bool,
+            _logging: bool,
+            environment: Handle,
+            log: LogMessage,
+        ) -> Handle {
+            fmi3::refuse_instantiation("fmi3InstantiateModelExchange", environment, log)
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+            _instance_name: Text,
+            _token: Text,
+            _resources: Text,
+            _visible: bool,
+            _logging: bool,
+            environment: Handle,
+            log: LogMessage,
+            _clock_update: Handle,
+            _lock_preemption: Handle,
+            _unlock_preemption: Handle,
+        ) -> Handle {
+            fmi3::refuse_instantiation("fmi3InstantiateScheduledExecution", environment, log)
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn fmi3FreeInstance(instance: Handle) {
+            unsafe { fmi3::free_instance::<$component>(instance) }
+        }
+
+        $crate::fmi3_functions! { $component:
+            fmi3SetDebugLogging(on: bool, n: usize, categories: *const Text)
+                = set_debug_logging(on, n, categories);
+            fmi3EnterInitializationMode(
+                _tolerance_defined: bool,
+                _tolerance: f64,
+                start_s: f64,
+                stop_defined: bool,
+                stop_s: f64
+            ) = enter_initialization_mode(start_s, stop_defined, stop_s);
+            fmi3ExitInitializationMode() = exit_initialization_mode();
+            fmi3Terminate() = terminate();
+            fmi3Reset() = reset();
+            fmi3GetFloat64(refs: *const u32, n: usize, values: *mut f64, n_values: usize)
+                = get_float64(refs, n, values, n_values);
+            fmi3SetFloat64(refs: *const u32, n: usize, values: *const f64, n_values: usize)
+                = set_float64(refs, n, values, n_values);
+            fmi3GetString(refs: *const u32, n: usize, values: *mut Text, n_values: usize)
+                = get_string(refs, n, values, n_values);
+            fmi3SetString(refs: *const u32, n: usize, values: *const Text, n_values: usize)
+                = set_string(refs, n, values, n_values);
+            fmi3DoStep(
+                from_s: f64,
+                duration_s: f64,
+                _no_set_state_prior: bool,
+                event: *mut bool,
+                terminate: *mut bool,
+                early: *mut bool,
+                reached_s: *mut f64
+            ) = do_step(from_s, duration_s, event, terminate, early, reached_s);
+            fmi3GetFMUState(state: *mut Handle) = get_fmu_state(state);
+            fmi3SetFMUState(state: Handle) = set_fmu_state(state);
+            fmi3FreeFMUState(state: *mut Handle) = free_fmu_state(state);
+            fmi3SerializedFMUStateSize(state: Handle, size: *mut usize)
+                = serialized_fmu_state_size(state, size);
+            fmi3SerializeFMUState(state: Handle, bytes: *mut u8, size: usize)
+                = serialize_fmu_state(state, bytes, size);
+            fmi3DeserializeFMUState(bytes: *const u8, size: usize, state: *mut Handle)
+                = deserialize_fmu_state(bytes, size, state);
+        }
+
+        $crate::fmi3_other_types! { $component:
+            fmi3GetFloat32, fmi3SetFloat32, "Float32", f32;
+            fmi3GetInt8, fmi3SetInt8, "Int8", i8;
+            fmi3GetUInt8, fmi3SetUInt8, "UInt8", u8;
+            fmi3GetInt16, fmi3SetInt16, "Int16", i16;
+            fmi3GetUInt16, fmi3SetUInt16, "UInt16", u16;
+            fmi3GetInt32, fmi3SetInt32, "Int32", i32;
+            fmi3GetUInt32, fmi3SetUInt32, "UInt32", u32;
+            fmi3GetInt64, fmi3SetInt64, "Int64", i64;
+            fmi3GetUInt64, fmi3SetUInt64, "UInt64", u64;
+            fmi3GetBoolean, fmi3SetBoolean, "Boolean", bool;
+        }
+
+        $crate::fmi3_unsupported! { $component:
+            fmi3GetBinary(*const u32, usize, *mut usize, *mut *const u8, usize);
+            fmi3SetBinary(*const u32, usize, *const usize, *const *const u8, usize);
+            fmi3GetClock(*const u32, usize, *mut bool);
+            fmi3SetClock(*const u32, usize, *const bool);
+            fmi3GetNumberOfVariableDependencies(u32, *mut usize);
+            fmi3GetVariableDependencies(
+                u32, *mut usize, *mut u32, *mut usize, *mut i32, usize
+            );
+            fmi3GetDirectionalDerivative(
+                *const u32, usize, *const u32, usize, *const f64, usize, *mut f64, usize
+            );
+            fmi3GetAdjointDerivative(
+                *const u32, usize, *const u32, usize, *const f64, usize, *mut f64, usize
+            );
+            fmi3EnterConfigurationMode();
+            fmi3ExitConfigurationMode();
+            fmi3GetIntervalDecimal(*const u32, usize, *mut f64, *mut i32);
+            fmi3GetIntervalFraction(*const u32, usize, *mut u64, *mut u64, *mut i32);
+            fmi3GetShiftDecimal(*const u32, usize, *mut f64);
+            fmi3GetShiftFraction(*const u32, usize, *mut u64, *mut u64);
+            fmi3SetIntervalDecimal(*const u32, usize, *const f64);
+            fmi3SetIntervalFraction(*const u32, usize, *const u64, *const u64);
+            fmi3SetShiftDecimal(*const u32, usize, *const f64);
+            fmi3SetShiftFraction(*const u32, usize, *const u64, *const u64);
+            fmi3EvaluateDiscreteStates();
+            fmi3UpdateDiscreteStates(
+                *mut bool, *mut bool, *mut bool, *mut bool, *mut bool, *mut f64
+            );
+            fmi3EnterEventMode();
+            fmi3EnterContinuousTimeMode();
+            fmi3CompletedIntegratorStep(bool, *mut bool, *mut bool);
+            fmi3SetTime(f64);
+            fmi3SetContinuousStates(*const f64, usize);
+            fmi3GetContinuousStateDerivatives(*mut f64, usize);
+            fmi3GetEventIndicators(*mut f64, usize);
+            fmi3GetContinuousStates(*mut f64, usize);
+            fmi3GetNominalsOfContinuousStates(*mut f64, usize);
+            fmi3GetNumberOfEventIndicators(*mut usize);
+            fmi3GetNumberOfContinuousStates(*mut usize);
+            fmi3EnterStepMode();
+            fmi3GetOutputDerivatives(*const u32, usize, *const i32, *mut f64, usize);
+            fmi3ActivateModelPartition(u32, f64);
+        }
+    };
+}
+
+/// `symbol(arguments of the header after the instance) = function(those it needs)`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fmi3_functions {
+    ($component:ty: $($symbol:ident($($argument:ident: $type:ty),*)
+        = $function:ident($($passed:ident),*);)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $symbol(instance: Handle, $($argument: $type),*) -> fmi3::Status {
+            unsafe { fmi3::$function::<$component>(instance, $($passed),*) }
+        }
+    )*};
+}
+
+/// Getter and setter of a type that no variable has.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fmi3_other_types {
+    ($component:ty: $($get:ident, $set:ident, $name:literal, $type:ty;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $get(
+            instance: Handle, refs: *const u32, n: usize, _: *mut $type, _: usize,
+        ) -> fmi3::Status {
+            unsafe { fmi3::refuse_type::<$component>(instance, stringify!($get), $name, refs, n) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $set(
+            instance: Handle, refs: *const u32, n: usize, _: *const $type, _: usize,
+        ) -> fmi3::Status {
+            unsafe { fmi3::refuse_type::<$component>(instance, stringify!($set), $name, refs, n) }
+        }
+    )*};
+}
+
+/// Functions that no declared capability allows.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fmi3_unsupported {
+    ($component:ty: $($symbol:ident($($type:ty),*);)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $symbol(instance: Handle, $(_: $type),*) -> fmi3::Status {
+            unsafe { fmi3::unsupported::<$component>(instance, stringify!($symbol)) }
+        }
+    )*};
+}

@@ -1,0 +1,82 @@
+//! The smallest component that exercises everything: x' = rate, and ways to go wrong.
+
+use lander_models::signals::{Interface, Signal};
+use lander_models::{Component, ModelError, Settings, StepReport, Ticks};
+use serde::{Deserialize, Serialize};
+
+const fn signal(name: &'static str, size: usize) -> Signal {
+    Signal { name, size, unit: "1", start: 0.5, description: "test" }
+}
+
+static INTERFACE: Interface = Interface {
+    model: "integrator",
+    description: "Integrates two rates",
+    inputs: &[signal("rate", 2), signal("trouble", 1)],
+    outputs: &[signal("x", 2), signal("steps", 1)],
+    outputs_depend_on_inputs: false,
+};
+
+pub const RATE_1: u32 = 1000;
+pub const RATE_2: u32 = 1001;
+pub const TROUBLE: u32 = 1002;
+pub const X_1: u32 = 2000;
+pub const X_2: u32 = 2001;
+pub const STEPS: u32 = 2002;
+pub const ALL_OUTPUTS: [u32; 3] = [X_1, X_2, STEPS];
+
+/// Values of `trouble`.
+pub const PANIC: f64 = 1.0;
+pub const DIVERGE: f64 = 2.0;
+pub const EVENT: f64 = 3.0;
+pub const END: f64 = 4.0;
+
+/// Scenario content that makes `create` panic.
+pub const PANIC_ON_CREATE: &str = "panic";
+
+pub struct Integrator {
+    gain: f64,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+pub struct State {
+    x: [f64; 2],
+    steps: u32,
+}
+
+impl Component for Integrator {
+    const INTERFACE: &'static Interface = &INTERFACE;
+    type State = State;
+
+    /// The scenario file holds the gain, which is also the start of x.
+    fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
+        let file = settings.scenario_file.clone();
+        let unreadable = |reason: String| lander_models::ConfigError::Unreadable { file, reason };
+        let text = std::fs::read_to_string(&settings.scenario_file)
+            .map_err(|error| unreadable.clone()(error.to_string()))?;
+        assert_ne!(text, PANIC_ON_CREATE, "create was told to panic");
+        let gain = text.parse().map_err(|_| unreadable("not a number".to_owned()))?;
+        Ok((Self { gain }, State { x: [gain, -gain], steps: 0 }))
+    }
+
+    fn step(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<StepReport, ModelError> {
+        for (x, rate) in state.x.iter_mut().zip(inputs) {
+            *x += self.gain * rate * duration.seconds();
+        }
+        state.steps += 1;
+        assert_ne!(inputs[2], PANIC, "step was told\nto panic");
+        if inputs[2] == DIVERGE {
+            return Err(ModelError::Diverged { time_s: 0.0, what: "x" });
+        }
+        Ok(StepReport { event: inputs[2] == EVENT, terminate: inputs[2] == END })
+    }
+
+    fn outputs(&self, state: &State, outputs: &mut [f64]) {
+        outputs[..2].copy_from_slice(&state.x);
+        outputs[2] = f64::from(state.steps);
+    }
+}

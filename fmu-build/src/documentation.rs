@@ -1,0 +1,32 @@
+//! documentation/index.html: the same table for people.
+
+use fmi_adapter::variables;
+use lander_models::signals::Interface;
+
+use crate::xml::escape;
+
+pub fn page(interface: &Interface) -> String {
+    let mut rows = String::new();
+    for v in variables(interface) {
+        let cells = [
+            v.reference.to_string(),
+            v.name.clone(),
+            v.slot.data_type().to_owned(),
+            v.slot.causality().to_owned(),
+            v.unit.unwrap_or("").to_owned(),
+            v.start.map(|start| start.to_string()).unwrap_or_default(),
+            v.description.to_owned(),
+        ];
+        let cells: String = cells.iter().map(|cell| format!("<td>{}</td>", escape(cell))).collect();
+        rows += &format!("<tr>{cells}</tr>\n");
+    }
+    let (model, description) = (escape(interface.model), escape(interface.description));
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">\
+         <title>{model}</title></head>\n<body>\n<h1>{model}</h1>\n<p>{description}.</p>\n\
+         <p>The communication step is any whole number of milliseconds. Inputs are held over a \
+         step. Outputs at a communication point do not depend on inputs at that point.</p>\n\
+         <table>\n<tr><th>reference</th><th>name</th><th>type</th><th>causality</th>\
+         <th>unit</th><th>start</th><th>description</th></tr>\n{rows}</table>\n</body>\n</html>\n"
+    )
+}

@@ -1,0 +1,35 @@
+//! What can go wrong while packing, naming the file.
+
+use std::path::{Path, PathBuf};
+
+use lander_models::ConfigError;
+
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error("{}: cannot be read: {source}", file.display())]
+    Read { file: PathBuf, source: std::io::Error },
+    #[error("{}: cannot be written: {source}", file.display())]
+    Write { file: PathBuf, source: std::io::Error },
+    #[error("{file}: cannot be archived: {source}")]
+    Archive { file: String, source: zip::result::ZipError },
+    #[error("a scenario that would be packed is not valid: {0}")]
+    Scenario(#[from] ConfigError),
+    #[error("signal {signal}: unit \"{unit}\" has no known base-unit exponents")]
+    Unit { signal: &'static str, unit: &'static str },
+    #[error("SOURCE_DATE_EPOCH is \"{0}\": it must be whole seconds from 1980 to 2107")]
+    Epoch(String),
+}
+
+impl Error {
+    /// For `map_err` on reading `file`.
+    pub(crate) fn read(file: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let file = file.to_owned();
+        |source| Self::Read { file, source }
+    }
+
+    /// For `map_err` on writing `file`.
+    pub(crate) fn write(file: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let file = file.to_owned();
+        |source| Self::Write { file, source }
+    }
+}

@@ -1,0 +1,90 @@
+//! `fmu-build`: packs, describes and checks FMUs. Exit code 0 success, 1 failure, 2 usage.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use fmu_build::check::check;
+use fmu_build::model::MODELS;
+use fmu_build::package::{Sources, build};
+use fmu_build::{Error, Stamp, describe};
+
+#[derive(Parser)]
+#[command(version, about = "Packs, describes and checks the lander FMUs (FMI 3.0)")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Pack the shell libraries into lander-truth.fmu and scvx-guidance.fmu
+    Build {
+        /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so
+        #[arg(long, value_name = "DIR")]
+        libraries: PathBuf,
+        /// Where to write the FMUs
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Workspace root, for models/ and LICENSE
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        root: PathBuf,
+    },
+    /// Print the variables of both models
+    Describe {
+        #[arg(long)]
+        json: bool,
+    },
+    /// Verify structure and variables of finished FMUs
+    Check {
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// `false` if a check found problems.
+fn run(command: Command) -> Result<bool, Error> {
+    match command {
+        Command::Build { libraries, out, root } => {
+            let epoch = std::env::var("SOURCE_DATE_EPOCH").ok();
+            let stamp = Stamp::parse(epoch.as_deref())?;
+            for file in build(&Sources { libraries: &libraries, root: &root, stamp }, &out)? {
+                eprintln!("wrote {}", file.display());
+            }
+            Ok(true)
+        }
+        Command::Describe { json: true } => {
+            println!("{:#}", describe::json(&MODELS));
+            Ok(true)
+        }
+        Command::Describe { json: false } => {
+            print!("{}", describe::table(&MODELS));
+            Ok(true)
+        }
+        Command::Check { files } => {
+            let mut good = true;
+            for file in files {
+                let problems = check(&file).unwrap_or_else(|error| vec![error.to_string()]);
+                for problem in &problems {
+                    eprintln!("{}: {problem}", file.display());
+                }
+                if problems.is_empty() {
+                    eprintln!("{}: no problems", file.display());
+                }
+                good &= problems.is_empty();
+            }
+            Ok(good)
+        }
+    }
+}

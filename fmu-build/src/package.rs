@@ -1,0 +1,99 @@
+//! Makes the FMUs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use fmi_adapter::variables::DEFAULT_SCENARIO;
+use lander_models::signals::Interface;
+use lander_models::{Scenario, Ticks};
+
+use crate::archive::{Entries, pack};
+use crate::description::model_description;
+use crate::documentation::page;
+use crate::model::{MODELS, archive_file, library_entry, library_file};
+use crate::{Error, Stamp};
+
+/// Where things come from.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources<'a> {
+    /// Folder with the shells' shared libraries.
+    pub libraries: &'a Path,
+    /// Workspace root: `models/` and `LICENSE`.
+    pub root: &'a Path,
+    pub stamp: Stamp,
+}
+
+/// Writes one archive for each model into `out` and returns their paths. All are made before
+/// the first is written, and each appears under its name only when complete.
+pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
+    let made: Vec<(PathBuf, Vec<u8>)> = MODELS
+        .into_iter()
+        .map(|model| Ok((out.join(archive_file(model)), archive(model, sources)?)))
+        .collect::<Result<_, Error>>()?;
+    fs::create_dir_all(out).map_err(Error::write(out))?;
+    for (file, bytes) in &made {
+        write_whole(file, bytes)?;
+    }
+    Ok(made.into_iter().map(|(file, _)| file).collect())
+}
+
+/// The bytes of one FMU.
+pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
+    let mut entries = Entries::new();
+    let library = sources.libraries.join(library_file(model));
+    entries.insert(library_entry(model), read(&library)?);
+    let models = sources.root.join("models");
+    for folder in ["scenarios", "vehicles"] {
+        for file in toml_files(&models.join(folder))? {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            entries.insert(format!("resources/{folder}/{name}"), read(&file)?);
+        }
+    }
+    let stop = validate_scenarios(&models)?;
+    let description = model_description(model, stop, sources.stamp)?;
+    entries.insert("modelDescription.xml".to_owned(), description.into_bytes());
+    entries.insert("documentation/index.html".to_owned(), page(model).into_bytes());
+    let license = sources.root.join("LICENSE");
+    if license.exists() {
+        // The name that FMI 3.0 gives the entry point of the licences.
+        entries.insert("documentation/licenses/license.txt".to_owned(), read(&license)?);
+    }
+    pack(&entries, sources.stamp)
+}
+
+/// Loads every scenario once, so that a broken one is found here and not by an importer.
+/// Returns the stop time of the default one.
+fn validate_scenarios(models: &Path) -> Result<Ticks, Error> {
+    for file in toml_files(&models.join("scenarios"))? {
+        Scenario::load(&file)?;
+    }
+    Ok(Scenario::load(&models.join(DEFAULT_SCENARIO))?.0.stop_time)
+}
+
+fn toml_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let listing = fs::read_dir(folder).map_err(Error::read(folder))?;
+    let mut files = Vec::new();
+    for entry in listing {
+        let file = entry.map_err(Error::read(folder))?.path();
+        if file.extension().is_some_and(|extension| extension == "toml") {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, Error> {
+    fs::read(file).map_err(Error::read(file))
+}
+
+/// Under a temporary name first: nobody ever opens half an archive.
+fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let partial = file.with_extension("fmu.partial");
+    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, file));
+    written.map_err(|error| {
+        // The first error is the one to report.
+        let _ = fs::remove_file(&partial);
+        Error::write(file)(error)
+    })
+}

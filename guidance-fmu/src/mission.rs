@@ -1,0 +1,199 @@
+//! Which law flies now, and what it asks of engine and attitude.
+
+use lander_models::Ticks;
+use lander_models::scenario::{Guidance as Task, GuidanceMode};
+use lander_models::vehicle::Vehicle;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::descent::{self, Aim, Braking};
+use crate::navigation::Navigation;
+use crate::planning::Planning;
+
+/// Tracking gains: critically damped at 0.7 rad/s, a quarter of the attitude loop's bandwidth.
+const TRACK_POSITION_1_S2: f64 = 0.5;
+const TRACK_VELOCITY_1_S: f64 = 1.4;
+/// Half-width of the average over planned thrust directions: one interval of a last burn, s.
+const DIRECTION_WINDOW_S: f64 = 0.4;
+/// Half-width of the difference that gives the planned turn rate, s.
+const TURN_WINDOW_S: f64 = 0.1;
+/// Net upward acceleration of a lift-off.
+const LIFT_OFF_ACCELERATION_M_S2: f64 = 3.0;
+
+/// Coded as an output: the number is part of the interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Phase {
+    /// Nothing is commanded.
+    #[default]
+    Standby = 0,
+    LiftOff = 1,
+    Coast = 2,
+    Burn = 3,
+    Terminal = 4,
+    CutOff = 5,
+    /// No plan could be had: brake and land wherever that is.
+    FallBack = 6,
+}
+
+/// What the flight laws keep between steps.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Mission {
+    pub phase: Phase,
+    pub planning: Planning,
+    pub braking: Braking,
+    pub touched: bool,
+}
+
+/// What one step asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Orders {
+    /// Zero, or within the engine's range.
+    pub thrust_n: f64,
+    pub up_w: Vector3<f64>,
+    /// Angular velocity at which `up_w` is planned to turn, rad/s.
+    pub up_rate_w: Vector3<f64>,
+    /// Whether attitude is controlled at all.
+    pub hold_attitude: bool,
+}
+
+impl Orders {
+    const NONE: Self = Self {
+        thrust_n: 0.0,
+        up_w: Vector3::new(0.0, 0.0, 1.0),
+        up_rate_w: Vector3::new(0.0, 0.0, 0.0),
+        hold_attitude: false,
+    };
+
+    fn coast(up_w: Vector3<f64>) -> Self {
+        Self { up_w, hold_attitude: true, ..Self::NONE }
+    }
+}
+
+/// What the laws may look at.
+pub struct Context<'a> {
+    pub vehicle: &'a Vehicle,
+    pub task: &'a Task,
+    pub gravity_m_s2: f64,
+    pub now: Ticks,
+    pub nav: &'a Navigation,
+    /// Thrust expected now, N.
+    pub thrust_n: f64,
+}
+
+impl Mission {
+    /// Chooses the phase and flies it.
+    pub fn step(&mut self, context: &Context) -> Orders {
+        self.change_phase(context);
+        match self.phase {
+            Phase::Standby => Orders::NONE,
+            Phase::LiftOff => lift_off(context),
+            Phase::Coast | Phase::Burn => self.follow_plan(context),
+            Phase::Terminal => self.descend(context, Aim::Target(context.task.target_w)),
+            Phase::FallBack => self.descend(context, Aim::Below),
+            Phase::CutOff => {
+                self.touched |= context.nav.any_foot_down;
+                Orders { hold_attitude: !self.touched, ..Orders::NONE }
+            }
+        }
+    }
+
+    fn change_phase(&mut self, context: &Context) {
+        let Context { vehicle, task, gravity_m_s2, now, nav, thrust_n } = *context;
+        match self.phase {
+            Phase::Standby => match task.mode {
+                GuidanceMode::Off => {}
+                GuidanceMode::Hop => self.phase = Phase::LiftOff,
+                GuidanceMode::Descent => self.begin(context),
+            },
+            Phase::LiftOff if nav.altimeter_m >= task.lift_off_height_m => self.begin(context),
+            Phase::Coast | Phase::Burn => {
+                self.planning.update(vehicle, gravity_m_s2, task, now, nav);
+                let over = self.planning.flown.as_ref().is_none_or(|f| f.time_to_go_s(now) <= 0.0);
+                if over {
+                    self.phase = Phase::Terminal;
+                    self.braking.engine_on = true;
+                }
+            }
+            Phase::Terminal | Phase::FallBack => {
+                if descent::cut_off(vehicle, task, nav, thrust_n) {
+                    self.phase = Phase::CutOff;
+                }
+            }
+            Phase::LiftOff | Phase::CutOff => {}
+        }
+    }
+
+    fn begin(&mut self, context: &Context) {
+        let Context { vehicle, task, gravity_m_s2, now, nav, .. } = *context;
+        self.planning.first(vehicle, gravity_m_s2, task, now, nav);
+        self.phase = if self.planning.flown.is_some() { Phase::Coast } else { Phase::FallBack };
+    }
+
+    /// Feed-forward of the plan with feedback on its path (G.19). Commands lead by the engine's
+    /// lag, so that the thrust itself is in time.
+    fn follow_plan(&mut self, context: &Context) -> Orders {
+        let Context { vehicle, now, nav, .. } = *context;
+        let Some(flown) = &self.planning.flown else { return Orders::NONE };
+        let elapsed_s = flown.elapsed_s(now);
+        let ahead_s = elapsed_s + vehicle.engine.thrust_lag_s;
+        let ahead = flown.plan.sample(ahead_s);
+        let powered = ahead_s >= 0.0 && ahead.powered;
+        self.phase = if powered { Phase::Burn } else { Phase::Coast };
+        if !powered {
+            let up_w = flown.plan.next_burn_direction(ahead_s.max(0.0)).unwrap_or(Vector3::z());
+            return Orders::coast(up_w);
+        }
+        let reference = flown.plan.sample(elapsed_s.max(0.0));
+        let feedback_w = (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
+            + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S;
+        let direction = |t_s: f64| {
+            flown.plan.smoothed_direction(t_s, DIRECTION_WINDOW_S).unwrap_or(Vector3::z())
+        };
+        let up_w = direction(ahead_s);
+        let turned_w = direction(ahead_s + TURN_WINDOW_S) - direction(ahead_s - TURN_WINDOW_S);
+        let wanted_w = up_w * (ahead.thrust_n / ahead.mass_kg) + feedback_w;
+        Orders {
+            up_rate_w: up_w.cross(&turned_w) / (2.0 * TURN_WINDOW_S),
+            ..powered_orders(context, &wanted_w)
+        }
+    }
+
+    fn descend(&mut self, context: &Context, aim: Aim) -> Orders {
+        let Context { vehicle, task, gravity_m_s2, nav, .. } = *context;
+        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, aim, &mut self.braking);
+        match demand.thrust_acceleration_w {
+            Some(acceleration_w) => powered_orders(context, &acceleration_w),
+            None => Orders::coast(demand.up_w),
+        }
+    }
+}
+
+fn lift_off(context: &Context) -> Orders {
+    let up_m_s2 = context.gravity_m_s2 + LIFT_OFF_ACCELERATION_M_S2;
+    powered_orders(context, &(Vector3::z() * up_m_s2))
+}
+
+/// Thrust acceleration within tilt limit and throttle range.
+fn powered_orders(context: &Context, acceleration_w: &Vector3<f64>) -> Orders {
+    let Context { vehicle, task, nav, .. } = *context;
+    let up_w = within_tilt(acceleration_w, task.tilt_max_rad);
+    let thrust_n = acceleration_w.dot(&up_w) * nav.mass.mass_kg;
+    let engine = &vehicle.engine;
+    Orders {
+        thrust_n: thrust_n.clamp(engine.thrust_min_n, engine.thrust_max_n),
+        up_w,
+        hold_attitude: true,
+        ..Orders::NONE
+    }
+}
+
+/// Direction of `v_w`, turned towards the vertical where it exceeds the tilt limit.
+fn within_tilt(v_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
+    let lateral_w = Vector3::new(v_w.x, v_w.y, 0.0);
+    if lateral_w.norm() <= v_w.z * tilt_max_rad.tan() {
+        return v_w.normalize();
+    }
+    let side_w = lateral_w.try_normalize(0.0).unwrap_or_default();
+    side_w * tilt_max_rad.sin() + Vector3::z() * tilt_max_rad.cos()
+}

@@ -1,0 +1,136 @@
+//! The component: inputs to commands, once per communication step.
+
+use lander_models::component::{Component, ModelError, Settings, StepReport};
+use lander_models::scenario::{Guidance as Task, GuidanceMode, Scenario};
+use lander_models::signals::{self, Interface};
+use lander_models::time::Ticks;
+use lander_models::vehicle::Vehicle;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::attitude::{self, Torquers};
+use crate::mission::{Context, Mission, Orders};
+use crate::navigation::Navigation;
+
+/// Constant configuration: nominal values only. The truth's initial state, terrain and faults
+/// are not kept.
+#[derive(Clone, Debug)]
+pub struct Guidance {
+    vehicle: Vehicle,
+    task: Task,
+    gravity_m_s2: f64,
+}
+
+/// All that a bit-exact restart needs.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct State {
+    pub now: Ticks,
+    pub mission: Mission,
+    /// Thrust that the engine should give now, by its nominal lag.
+    thrust_n: f64,
+    commands: Commands,
+    /// Planned position and velocity of O, for the log.
+    plan_position_w: Vector3<f64>,
+    plan_velocity_w: Vector3<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Commands {
+    thrust_n: f64,
+    gimbal_rad: [f64; 2],
+    rcs_torque_b: [f64; 3],
+    up_w: [f64; 3],
+}
+
+impl Guidance {
+    pub fn new(scenario: &Scenario, vehicle: Vehicle) -> Self {
+        Self { vehicle, task: scenario.guidance.clone(), gravity_m_s2: scenario.gravity_m_s2 }
+    }
+
+    fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
+        let context = Context {
+            vehicle: &self.vehicle,
+            task: &self.task,
+            gravity_m_s2: self.gravity_m_s2,
+            now: state.now,
+            nav,
+            thrust_n: state.thrust_n,
+        };
+        state.mission.step(&context)
+    }
+
+    /// Follows the nominal first-order lag through `duration` of a held command.
+    fn expect_thrust(&self, state: &mut State, duration: Ticks) {
+        let decay = (-duration.seconds() / self.vehicle.engine.thrust_lag_s).exp();
+        let command_n = state.commands.thrust_n;
+        state.thrust_n = command_n + (state.thrust_n - command_n) * decay;
+    }
+
+    fn note_plan(&self, state: &mut State, nav: &Navigation) {
+        let Some(flown) = &state.mission.planning.flown else { return };
+        let sample = flown.plan.sample(flown.elapsed_s(state.now));
+        state.plan_position_w = sample.r_w - nav.attitude_wb * nav.mass.com_b;
+        state.plan_velocity_w = sample.v_w;
+    }
+}
+
+impl Component for Guidance {
+    const INTERFACE: &'static Interface = &signals::GUIDANCE;
+    type State = State;
+
+    fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
+        let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
+        Ok((Self::new(&scenario, vehicle), State::default()))
+    }
+
+    fn step(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<StepReport, ModelError> {
+        let nav = Navigation::read(&self.vehicle, inputs);
+        let phase = state.mission.phase;
+        let orders = self.orders(state, &nav);
+        let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
+            attitude::control(&self.vehicle, &nav, &orders.up_w, &orders.up_rate_w, state.thrust_n)
+        } else {
+            Torquers::default()
+        };
+        state.commands = Commands {
+            thrust_n: orders.thrust_n,
+            gimbal_rad: torquers.gimbal_rad.into(),
+            rcs_torque_b: torquers.rcs_torque_b.into(),
+            up_w: orders.up_w.into(),
+        };
+        self.note_plan(state, &nav);
+        self.expect_thrust(state, duration);
+        state.now += duration;
+        Ok(StepReport { event: state.mission.phase != phase, terminate: false })
+    }
+
+    fn outputs(&self, state: &State, outputs: &mut [f64]) {
+        let planning = &state.mission.planning;
+        let commands = &state.commands;
+        let (to_go_s, propellant_kg) = planning.flown.as_ref().map_or((0.0, 0.0), |flown| {
+            let left = flown.plan.sample(flown.elapsed_s(state.now)).mass_kg;
+            let end = flown.plan.nodes.last().map_or(left, |node| node.mass_kg);
+            (flown.time_to_go_s(state.now).max(0.0), left - end)
+        });
+        let mut at = 0;
+        let mut put = |values: &[f64]| {
+            outputs[at..at + values.len()].copy_from_slice(values);
+            at += values.len();
+        };
+        // Order of the signal table.
+        put(&[commands.thrust_n]);
+        put(&commands.gimbal_rad);
+        put(&commands.rcs_torque_b);
+        put(&[f64::from(state.mission.phase as u8)]);
+        put(state.plan_position_w.as_slice());
+        put(state.plan_velocity_w.as_slice());
+        put(&commands.up_w);
+        put(&[to_go_s, propellant_kg]);
+        put(&[f64::from(planning.accepted), f64::from(planning.failed)]);
+    }
+}

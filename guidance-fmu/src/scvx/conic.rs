@@ -1,0 +1,158 @@
+//! The conic program and its solver: the only file that names the solver crate.
+//!
+//! minimise ½ Σ p_i x_i² + cᵀx subject to affine expressions of x lying in zero, nonnegative or second-order cones.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, SolverStatus,
+    SupportedConeT::{self, NonnegativeConeT, SecondOrderConeT, ZeroConeT},
+};
+
+use super::error::PlanError;
+
+/// Feasibility and gap tolerance in scaled units; below 1e-9 the solver stalls without refinement.
+const TOLERANCE: f64 = 1e-8;
+
+/// An affine expression Σ coefficient·x_column + constant; each column appears at most once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Affine {
+    pub terms: Vec<(usize, f64)>,
+    pub constant: f64,
+}
+
+impl Affine {
+    pub fn new(terms: impl Into<Vec<(usize, f64)>>, constant: f64) -> Self {
+        Self { terms: terms.into(), constant }
+    }
+}
+
+/// A conic program assembled row by row in the solver's form b − A x ∈ K.
+pub(super) struct Program {
+    curvature: Vec<f64>,
+    cost: Vec<f64>,
+    entries: Vec<(usize, usize, f64)>,
+    rhs: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+}
+
+impl Program {
+    pub fn new(curvature: Vec<f64>, cost: Vec<f64>) -> Self {
+        Self { curvature, cost, entries: Vec::new(), rhs: Vec::new(), cones: Vec::new() }
+    }
+
+    fn push(&mut self, row: Affine) {
+        let index = self.rhs.len();
+        self.entries.extend(row.terms.into_iter().map(|(column, c)| (column, index, -c)));
+        self.rhs.push(row.constant);
+    }
+
+    pub fn zero(&mut self, row: Affine) {
+        self.push(row);
+        match self.cones.last_mut() {
+            Some(ZeroConeT(rows)) => *rows += 1,
+            _ => self.cones.push(ZeroConeT(1)),
+        }
+    }
+
+    pub fn nonnegative(&mut self, row: Affine) {
+        self.push(row);
+        match self.cones.last_mut() {
+            Some(NonnegativeConeT(rows)) => *rows += 1,
+            _ => self.cones.push(NonnegativeConeT(1)),
+        }
+    }
+
+    /// ‖rows[1..]‖ ≤ rows[0].
+    pub fn second_order<const N: usize>(&mut self, rows: [Affine; N]) {
+        rows.into_iter().for_each(|row| self.push(row));
+        self.cones.push(SecondOrderConeT(N));
+    }
+}
+
+/// Solution of one program.
+pub(super) struct Solution {
+    pub x: Vec<f64>,
+    pub iterations: u32,
+}
+
+/// A factorisation kept for programs of one sparsity pattern; later programs update its data.
+pub(super) struct ConicSolver {
+    inner: DefaultSolver<f64>,
+    /// Entry order of the program → column-major order of the solver.
+    order: Vec<usize>,
+}
+
+impl ConicSolver {
+    pub fn new(program: &Program, max_iterations: u32) -> Result<Self, PlanError> {
+        let columns = program.cost.len();
+        let mut order: Vec<usize> = (0..program.entries.len()).collect();
+        order.sort_unstable_by_key(|&k| (program.entries[k].0, program.entries[k].1));
+        let mut column_start = vec![0; columns + 1];
+        for (column, ..) in &program.entries {
+            column_start[column + 1] += 1;
+        }
+        for column in 0..columns {
+            column_start[column + 1] += column_start[column];
+        }
+        let a = CscMatrix::new(
+            program.rhs.len(),
+            columns,
+            column_start,
+            order.iter().map(|&k| program.entries[k].1).collect(),
+            order.iter().map(|&k| program.entries[k].2).collect(),
+        );
+        let diagonal = (0..columns).collect();
+        let p = CscMatrix::new(
+            columns,
+            columns,
+            (0..=columns).collect(),
+            diagonal,
+            program.curvature.clone(),
+        );
+        let inner = DefaultSolver::new(
+            &p,
+            &program.cost,
+            &a,
+            &program.rhs,
+            &program.cones,
+            settings(max_iterations),
+        )
+        .map_err(|e| PlanError::Solver { status: e.to_string() })?;
+        Ok(Self { inner, order })
+    }
+
+    /// Solves `program`, which must have the pattern this solver was built with.
+    pub fn solve(&mut self, program: &Program) -> Result<Solution, PlanError> {
+        let values: Vec<f64> = self.order.iter().map(|&k| program.entries[k].2).collect();
+        let updated =
+            self.inner.update_data(&program.curvature, &program.cost, &values, &program.rhs);
+        updated.map_err(|e| PlanError::Solver { status: e.to_string() })?;
+        self.inner.solve();
+        let solution = &self.inner.solution;
+        match solution.status {
+            // A reduced-accuracy step is judged by the roll-out like any other.
+            SolverStatus::Solved | SolverStatus::AlmostSolved => {
+                Ok(Solution { x: solution.x.clone(), iterations: solution.iterations })
+            }
+            status => Err(PlanError::Solver { status: status.to_string() }),
+        }
+    }
+}
+
+/// Deterministic settings: no clock, one thread; presolve would forbid data updates.
+fn settings(max_iterations: u32) -> DefaultSettings<f64> {
+    DefaultSettings {
+        max_iter: max_iterations,
+        time_limit: f64::INFINITY,
+        verbose: false,
+        max_threads: 1,
+        direct_solve_method: "qdldl".into(),
+        presolve_enable: false,
+        iterative_refinement_enable: false,
+        equilibrate_enable: true,
+        tol_gap_abs: TOLERANCE,
+        tol_gap_rel: TOLERANCE,
+        tol_feas: TOLERANCE,
+        ..DefaultSettings::default()
+    }
+}

@@ -1,0 +1,41 @@
+//! Why no plan is returned.
+
+use thiserror::Error;
+
+/// Reason for returning no plan. Every variant names the quantity, its value and its limit.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlanError {
+    /// An input is not finite or outside its physical range; nothing was solved.
+    #[error("input {field} = {value} is outside {allowed}")]
+    Input { field: &'static str, value: f64, allowed: &'static str },
+    /// The minimum-fuel trajectory needs more propellant than is on board.
+    #[error("infeasible: {needed_kg:.3} kg of propellant needed, {available_kg:.3} kg on board")]
+    Fuel { needed_kg: f64, available_kg: f64 },
+    /// No trajectory found stays above the minimum altitude.
+    #[error("infeasible: {below_m:.3} m below the minimum altitude at t = {t_s:.2} s")]
+    Altitude { below_m: f64, t_s: f64 },
+    /// No trajectory found stays inside the glide-slope cone.
+    #[error("infeasible: {outside_m:.3} m outside the glide slope at t = {t_s:.2} s")]
+    GlideSlope { outside_m: f64, t_s: f64 },
+    /// The engine never stops and its floor within the tilt limit always accelerates upwards.
+    #[error(
+        "infeasible: at tilt ≤ {tilt_max_rad:.3} rad and without a coast the net upward \
+         acceleration is at least {net_up_m_s2:.3} m/s², limit 0; miss {miss_m:.3} m"
+    )]
+    Tilt { tilt_max_rad: f64, net_up_m_s2: f64, miss_m: f64 },
+    /// The thrust limits leave the target out of reach.
+    #[error("infeasible: target missed by {miss_m:.4} m and {miss_m_s:.4} m/s, limit 0.01 each")]
+    Target { miss_m: f64, miss_m_s: f64 },
+    /// The relaxation is not tight: the planned thrust lies below its own bound variable.
+    #[error("not lossless: (σ − ‖u‖)/σ = {gap:.2e}, limit {limit:.0e}")]
+    NotLossless { gap: f64, limit: f64 },
+    /// The planned thrust leaves its bounds.
+    #[error("thrust outside its bounds by {violation_n:.3} N, limit {limit_n:.3} N")]
+    Thrust { violation_n: f64, limit_n: f64 },
+    /// The outer loop did not converge within its iterations.
+    #[error("not converged: iteration budget spent after {solves} conic solves of the call")]
+    IterationBudget { solves: u32 },
+    /// The conic solver stopped without a solution.
+    #[error("conic solver: {status}")]
+    Solver { status: String },
+}

@@ -1,0 +1,168 @@
+//! The successive-convexification loop: solve about the reference, roll out exactly, accept on
+//! merit, until the defect and the fuel change are small (G.18).
+
+use super::conic::ConicSolver;
+use super::error::PlanError;
+use super::problem::{Problem, Settings};
+use super::structure::Grid;
+use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
+use super::trajectory::{Iterate, Trajectory};
+use super::verify::LOSSLESS_GAP_MAX;
+
+/// Converged position and velocity defect, m and m/s: a tenth of the millimetre and mm/s that a
+/// flight could notice.
+const DEFECT: f64 = 1e-4;
+/// Converged relative thrust excursion.
+const THRUST_DEFECT: f64 = 1e-5;
+/// Converged relative fuel change between two outer iterations.
+const FUEL_CHANGE: f64 = 2e-5;
+/// Node excursion that counts as a violated path limit, m.
+const PATH_DEFECT_M: f64 = 1e-3;
+/// Relative merit decrease below which an accepted step is no progress.
+const STALL: f64 = 1e-6;
+/// Relative trust radius on the durations: initial, cap, and factor of a rejected step.
+const TRUST_START: f64 = 0.5;
+const TRUST_CAP: f64 = 0.8;
+const TRUST_CUT: f64 = 0.35;
+/// Proximal weight on the durations: initial, growth on a rejected step, and the weight that holds
+/// them once the fuel is flat, so that the last steps only mend the defect.
+const STIFFNESS_START: f64 = 1e-2;
+const STIFFNESS_GROWTH: f64 = 10.0;
+const STIFFNESS_MAX: f64 = 1.0;
+
+/// Work done so far by one call, against its limits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    pub outer_iterations: u32,
+    pub solver_iterations: u32,
+    pub solves_max: u32,
+}
+
+impl Budget {
+    pub fn new(settings: &Settings) -> Self {
+        Self { outer_iterations: 0, solver_iterations: 0, solves_max: settings.solves_max }
+    }
+
+    pub fn spent(&self) -> bool {
+        self.outer_iterations >= self.solves_max
+    }
+
+    /// The error of a loop that ends for want of iterations.
+    pub fn exhausted(&self) -> PlanError {
+        PlanError::IterationBudget { solves: self.outer_iterations }
+    }
+}
+
+/// How a loop ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// Defect and fuel change are small.
+    Converged,
+    /// The merit no longer falls although the defect is not small.
+    Stalled,
+    OutOfIterations,
+}
+
+/// Best trajectory of a loop.
+pub(super) struct Outcome {
+    pub trajectory: Trajectory,
+    pub end: End,
+}
+
+/// Iterates from `start` until convergence, a spent budget or `settings.outer_max`.
+pub(super) fn iterate(
+    problem: &Problem,
+    grid: &Grid,
+    start: Iterate,
+    settings: &Settings,
+    budget: &mut Budget,
+) -> Result<Outcome, PlanError> {
+    let scale = Scale::new(problem);
+    let subproblem = Subproblem { problem, grid, scale };
+    let mut reference = Trajectory::new(problem, grid, clamp_durations(grid, start));
+    // The guess need not satisfy anything: the first step is always taken.
+    let mut reference_merit = f64::INFINITY;
+    let mut local = Local {
+        trust: TRUST_START,
+        stiffness: STIFFNESS_START,
+        path_nodes: Vec::new(),
+        thrust_floor: false,
+    };
+    let mut solver: Option<ConicSolver> = None;
+
+    for _ in 0..settings.outer_max {
+        if budget.spent() {
+            break;
+        }
+        budget.outer_iterations += 1;
+        let program = subproblem.build(&reference, &local);
+        let factorised = match &mut solver {
+            Some(factorised) => factorised,
+            empty => empty.insert(ConicSolver::new(&program, settings.solver_iterations_max)?),
+        };
+        let solution = factorised.solve(&program)?;
+        budget.solver_iterations += solution.iterations;
+        let candidate = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
+
+        let violated = candidate.path_violations(problem, PATH_DEFECT_M);
+        let unwatched = violated.iter().filter(|(node, _)| !local.path_nodes.contains(node));
+        let added: Vec<usize> = unwatched.map(|&(node, _)| node).collect();
+        // Without a floor a gap is harmless: any ‖u‖ below σ is allowed.
+        let lossy = problem.thrust_min_n > 0.0 && candidate.lossless_gap > LOSSLESS_GAP_MAX;
+        let feasible = violated.is_empty()
+            && candidate.miss_r_w.amax() <= DEFECT
+            && candidate.miss_v_w.amax() <= DEFECT
+            && !lossy
+            && candidate.thrust_violation_n <= THRUST_DEFECT * problem.thrust_max_n;
+        let fuel_change = (candidate.delta_v_m_s / reference.delta_v_m_s - 1.0).abs();
+        let fuel_flat = fuel_change <= FUEL_CHANGE;
+        if feasible && fuel_flat {
+            return Ok(Outcome { trajectory: candidate, end: End::Converged });
+        }
+
+        let candidate_merit = merit(problem, &scale, &candidate);
+        let more_rows = !added.is_empty() || (lossy && !local.thrust_floor);
+        if fuel_flat {
+            local.stiffness = STIFFNESS_MAX;
+        }
+        if candidate_merit < reference_merit {
+            let stalled = reference_merit - candidate_merit <= STALL * candidate_merit;
+            local.trust = (2.0 * local.trust).min(TRUST_CAP);
+            (reference, reference_merit) = (candidate, candidate_merit);
+            if stalled && !more_rows {
+                return Ok(Outcome { trajectory: reference, end: End::Stalled });
+            }
+        } else {
+            local.trust *= TRUST_CUT;
+            local.stiffness = (STIFFNESS_GROWTH * local.stiffness).min(STIFFNESS_MAX);
+        }
+        if more_rows {
+            local.thrust_floor |= lossy;
+            local.path_nodes.extend(added);
+            local.path_nodes.sort_unstable();
+            // More rows make the merits incomparable and the factorisation useless.
+            reference_merit = f64::INFINITY;
+            solver = None;
+        }
+    }
+    Ok(Outcome { trajectory: reference, end: End::OutOfIterations })
+}
+
+/// Fuel plus the penalised target, thrust and path defects, in scaled units.
+fn merit(problem: &Problem, scale: &Scale, trajectory: &Trajectory) -> f64 {
+    let path_m: f64 = trajectory.path_violations(problem, 0.0).iter().map(|(_, m)| m).sum();
+    let thrust = trajectory.thrust_violation_n.max(0.0) / problem.thrust_max_n;
+    let priced_m_s = trajectory.delta_v_m_s + RESERVE_WEIGHT * trajectory.reserve_m_s;
+    priced_m_s / scale.velocity_m_s
+        + SLACK_WEIGHT
+            * (trajectory.miss_v_w.lp_norm(1) / scale.velocity_m_s
+                + (trajectory.miss_r_w.lp_norm(1) + path_m) / scale.length_m
+                + thrust)
+}
+
+fn clamp_durations(grid: &Grid, mut start: Iterate) -> Iterate {
+    for (step_s, phase) in start.step_s.iter_mut().zip(&grid.phases) {
+        *step_s = step_s.max(phase.step_min_s);
+    }
+    start
+}

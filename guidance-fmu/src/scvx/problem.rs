@@ -1,0 +1,215 @@
+//! The landing problem and the planner's settings.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::error::PlanError;
+use super::structure::Structure;
+
+/// Standard gravity that relates specific impulse to exhaust speed, m/s² (exact, CGPM 1901).
+pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// A minimum-fuel powered descent (G.1-G.7) in a site-fixed frame with z up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Problem {
+    /// Initial position, m.
+    pub r0_w: Vector3<f64>,
+    /// Initial velocity, m/s.
+    pub v0_w: Vector3<f64>,
+    /// Target position, m.
+    pub r_f_w: Vector3<f64>,
+    /// Target velocity, m/s.
+    pub v_f_w: Vector3<f64>,
+    /// Initial mass, kg.
+    pub mass_kg: f64,
+    /// Mass without usable propellant, kg.
+    pub dry_mass_kg: f64,
+    /// Gravity along −z, m/s².
+    pub gravity_m_s2: f64,
+    /// Specific impulse, s.
+    pub isp_s: f64,
+    /// Thrust floor of a running engine, N.
+    pub thrust_min_n: f64,
+    /// Thrust ceiling, N.
+    pub thrust_max_n: f64,
+    /// Largest angle of the thrust from the vertical, rad.
+    pub tilt_max_rad: f64,
+    /// Smaller tilt limit at the end of the last burn, so that the vehicle arrives upright.
+    pub final_tilt: Option<FinalTilt>,
+    /// Wider limits that a plan may use, at a price, only where the ones above miss the target.
+    pub reserve: Option<Reserve>,
+    /// Limits on the path.
+    pub path: PathLimits,
+}
+
+/// Limits beyond the nominal ones that keep a disturbed flight plannable (G.14).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reserve {
+    /// Thrust ceiling, N; not below the nominal one.
+    pub thrust_max_n: f64,
+    /// Largest angle of the thrust from the vertical, rad; not below the nominal one.
+    pub tilt_max_rad: f64,
+}
+
+/// Tilt limit for the last intervals of the last phase.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FinalTilt {
+    /// Largest angle of the thrust from the vertical, rad.
+    pub tilt_max_rad: f64,
+    /// Number of intervals it holds for.
+    pub intervals: usize,
+}
+
+/// Limits that hold at every node of the plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathLimits {
+    /// Glide-slope cone above the target, half-angle from the vertical, rad.
+    pub glide_slope_rad: Option<f64>,
+    /// Minimum z, m.
+    pub altitude_min_m: Option<f64>,
+}
+
+impl Problem {
+    /// Mass flow per newton, 1/(I_sp g0), s/m.
+    pub fn mass_flow_s_m(&self) -> f64 {
+        1.0 / (self.isp_s * STANDARD_GRAVITY_M_S2)
+    }
+
+    /// Gravity vector, m/s².
+    pub fn gravity_w(&self) -> Vector3<f64> {
+        Vector3::new(0.0, 0.0, -self.gravity_m_s2)
+    }
+
+    /// Thrust that no plan exceeds, N.
+    pub fn thrust_ceiling_n(&self) -> f64 {
+        self.reserve.map_or(self.thrust_max_n, |reserve| reserve.thrust_max_n)
+    }
+
+    /// Nominal tilt limit in `interval` of `intervals`, rad.
+    pub(super) fn tilt_limit_rad(&self, interval: usize, intervals: usize) -> f64 {
+        match self.final_tilt {
+            Some(end) if interval + end.intervals >= intervals => end.tilt_max_rad,
+            _ => self.tilt_max_rad,
+        }
+    }
+
+    /// Names the first input that is not finite or not physical.
+    pub fn validate(&self) -> Result<(), PlanError> {
+        const POSITION: &str = "±1e5 m";
+        const VELOCITY: &str = "±3e3 m/s";
+        const ANGLE: &str = "(0, π/2) rad";
+        let right_angle = std::f64::consts::FRAC_PI_2;
+        for (field, vector, limit, allowed) in [
+            ("r0_w", &self.r0_w, 1e5, POSITION),
+            ("v0_w", &self.v0_w, 3e3, VELOCITY),
+            ("r_f_w", &self.r_f_w, 1e5, POSITION),
+            ("v_f_w", &self.v_f_w, 3e3, VELOCITY),
+        ] {
+            for &value in vector {
+                within(field, value, -limit, limit, allowed)?;
+            }
+        }
+        within("dry_mass_kg", self.dry_mass_kg, 1.0, 1e5, "[1, 1e5] kg")?;
+        within("mass_kg", self.mass_kg, self.dry_mass_kg, 1e5, "[dry_mass_kg, 1e5] kg")?;
+        within("gravity_m_s2", self.gravity_m_s2, 0.1, 30.0, "[0.1, 30] m/s²")?;
+        within("isp_s", self.isp_s, 10.0, 1e4, "[10, 1e4] s")?;
+        within("thrust_max_n", self.thrust_max_n, 1e-3, 1e7, "[1e-3, 1e7] N")?;
+        within("thrust_min_n", self.thrust_min_n, 0.0, self.thrust_max_n, "[0, thrust_max_n] N")?;
+        within("tilt_max_rad", self.tilt_max_rad, 1e-3, right_angle, ANGLE)?;
+        if let Some(reserve) = self.reserve {
+            let Reserve { thrust_max_n: thrust_n, tilt_max_rad: tilt_rad } = reserve;
+            let (low_n, low_rad) = (self.thrust_max_n, self.tilt_max_rad);
+            within("reserve.thrust_max_n", thrust_n, low_n, 1e7, "[thrust_max_n, 1e7] N")?;
+            within(
+                "reserve.tilt_max_rad",
+                tilt_rad,
+                low_rad,
+                right_angle,
+                "[tilt_max_rad, π/2] rad",
+            )?;
+        }
+        if let Some(end) = self.final_tilt {
+            within("final_tilt.tilt_max_rad", end.tilt_max_rad, 1e-3, right_angle, ANGLE)?;
+        }
+        if let Some(angle_rad) = self.path.glide_slope_rad {
+            within("path.glide_slope_rad", angle_rad, 1e-3, right_angle - 1e-3, ANGLE)?;
+        }
+        if let Some(z_m) = self.path.altitude_min_m {
+            within("path.altitude_min_m", z_m, -1e5, self.r_f_w.z, "[-1e5, r_f_w.z] m")?;
+        }
+        Ok(())
+    }
+}
+
+/// Fails, naming `field`, unless low ≤ value ≤ high; a NaN is outside.
+pub(super) fn within(
+    field: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+    allowed: &'static str,
+) -> Result<(), PlanError> {
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(PlanError::Input { field, value, allowed })
+    }
+}
+
+/// Discretisation, budgets and acceptance limits of the planner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Switching structure to impose; `None` reads it from a relaxed solve.
+    pub structure: Option<Structure>,
+    /// Intervals of the relaxed solve.
+    pub relaxed_intervals: usize,
+    /// Intervals of a burn that a coast follows.
+    pub first_burn_intervals: usize,
+    /// Intervals of the burn that ends the flight after a coast.
+    pub last_burn_intervals: usize,
+    /// Intervals of a flight that is one burn.
+    pub single_burn_intervals: usize,
+    /// Shortest burn, s.
+    pub burn_min_s: f64,
+    /// Shortest coast, s.
+    pub coast_min_s: f64,
+    /// Outer iterations of one loop.
+    pub outer_max: u32,
+    /// Conic solves of one call, over all attempts.
+    pub solves_max: u32,
+    /// Interior-point iterations of one conic solve.
+    pub solver_iterations_max: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            structure: None,
+            relaxed_intervals: 25,
+            first_burn_intervals: 6,
+            last_burn_intervals: 8,
+            single_burn_intervals: 12,
+            burn_min_s: 0.2,
+            coast_min_s: 0.2,
+            outer_max: 12,
+            solves_max: 36,
+            solver_iterations_max: 60,
+        }
+    }
+}
+
+impl Settings {
+    /// Names the first setting outside its range.
+    pub fn validate(&self) -> Result<(), PlanError> {
+        for (field, intervals) in [
+            ("relaxed_intervals", self.relaxed_intervals),
+            ("first_burn_intervals", self.first_burn_intervals),
+            ("last_burn_intervals", self.last_burn_intervals),
+            ("single_burn_intervals", self.single_burn_intervals),
+        ] {
+            within(field, intervals as f64, 1.0, 100.0, "[1, 100]")?;
+        }
+        within("burn_min_s", self.burn_min_s, 0.01, 100.0, "[0.01, 100] s")?;
+        within("coast_min_s", self.coast_min_s, 0.01, 100.0, "[0.01, 100] s")
+    }
+}

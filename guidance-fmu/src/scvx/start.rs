@@ -1,0 +1,124 @@
+//! Starting points of the outer loop: a minimum-energy guess, the switching structure of a relaxed
+//! solve, and the remainder of an earlier plan.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::plan::{Phase, Plan};
+use super::problem::{Problem, Settings};
+use super::structure::{Grid, Structure};
+use super::trajectory::{Iterate, Trajectory};
+
+/// Mean thrust over the ceiling above which a relaxed interval counts as part of a burn.
+const RUNNING_SHARE: f64 = 0.1;
+/// A phase with less than this left is dropped by a replan, s.
+const PHASE_REMAINDER_MIN_S: f64 = 0.02;
+
+/// Minimum-energy guess on a single burn (G.19), with the cheapest of a few flight times.
+pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
+    /// Flight times tried, against the larger of the ballistic and the braking time.
+    const TIME_FACTORS: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
+    let drop_m = (problem.r0_w.z - problem.r_f_w.z).max(0.0);
+    let [rise_m_s, g_m_s2] = [problem.v0_w.z, problem.gravity_m_s2];
+    let fall_s = (rise_m_s + (rise_m_s * rise_m_s + 2.0 * g_m_s2 * drop_m).sqrt()) / g_m_s2;
+    let range_m = (problem.r0_w - problem.r_f_w).norm();
+    let unit_s = fall_s.max((2.0 * range_m / g_m_s2).sqrt()).max(1.0);
+    let mut best: Option<(f64, Iterate)> = None;
+    for factor in TIME_FACTORS {
+        let guess = minimum_energy_at(problem, grid, factor * unit_s);
+        let delta_v_m_s: f64 = guess.h.iter().sum();
+        if best.as_ref().is_none_or(|(least, _)| delta_v_m_s < *least) {
+            best = Some((delta_v_m_s, guess));
+        }
+    }
+    best.map_or_else(|| minimum_energy_at(problem, grid, unit_s), |(_, guess)| guess)
+}
+
+/// Thrust acceleration linear in time that meets both end states at `t_f_s` (G.19).
+fn minimum_energy_at(problem: &Problem, grid: &Grid, t_f_s: f64) -> Iterate {
+    let dv_w = problem.v_f_w - problem.v0_w;
+    let dr_w = problem.r_f_w - problem.r0_w - problem.v0_w * t_f_s;
+    let a_w = dr_w * (6.0 / t_f_s.powi(2)) - dv_w * (2.0 / t_f_s);
+    let b_w = dv_w * (6.0 / t_f_s.powi(2)) - dr_w * (12.0 / t_f_s.powi(3));
+    let step_s = t_f_s / grid.len() as f64;
+    let impulse = |j| (a_w + b_w * ((j as f64 + 0.5) * step_s) - problem.gravity_w()) * step_s;
+    Iterate::lossless(vec![step_s], (0..grid.len()).map(impulse).collect())
+}
+
+/// Reads the switching structure of a relaxed solve: each burn gives its impulse at the ceiling.
+pub(super) fn from_relaxed(
+    problem: &Problem,
+    relaxed: &Trajectory,
+    forced: Option<Structure>,
+    settings: &Settings,
+) -> (Grid, Iterate) {
+    let Iterate { step_s, w_w, .. } = &relaxed.iterate;
+    let (n, flight_s) = (w_w.len(), step_s[0] * w_w.len() as f64);
+    let running = |&j: &usize| {
+        let thrust_n = w_w[j].norm() / step_s[0] * relaxed.nodes[j].mass_kg;
+        thrust_n > RUNNING_SHARE * problem.thrust_max_n
+    };
+    let first_on = (0..n).take_while(running).count();
+    let last_on = (first_on..n).rev().take_while(running).count();
+    let burn = |range: Range<usize>| {
+        let mass_kg = relaxed.nodes[range.start].mass_kg;
+        let w_w: Vector3<f64> = w_w[range].iter().sum();
+        (w_w, w_w.norm() * mass_kg / problem.thrust_max_n)
+    };
+    let (first_w, first_s) = burn(0..first_on);
+    let (last_w, last_s) = burn(n - last_on..n);
+    let structure = forced.unwrap_or(if first_on == n {
+        Structure::On
+    } else if first_s < 0.5 * settings.burn_min_s {
+        Structure::OffOn
+    } else if last_s < 0.5 * settings.burn_min_s {
+        Structure::OnOff
+    } else {
+        Structure::OnOffOn
+    });
+    let grid = Grid::new(structure, settings);
+    let coast = (Vector3::zeros(), (flight_s - first_s - last_s).max(settings.coast_min_s));
+    let phases: &[(Vector3<f64>, f64)] = match structure {
+        Structure::OnOffOn => &[(first_w, first_s), coast, (last_w, last_s)],
+        Structure::OffOn => &[coast, (first_w + last_w, first_s + last_s)],
+        Structure::OnOff => &[(first_w + last_w, first_s + last_s), coast],
+        Structure::On => &[(w_w.iter().sum(), flight_s)],
+    };
+    let counts = || grid.phases.iter().map(|phase| phase.intervals as f64);
+    let steps_s = phases.iter().zip(counts()).map(|((_, duration_s), n)| duration_s / n).collect();
+    let shares: Vec<Vector3<f64>> = phases.iter().zip(counts()).map(|((w, _), n)| w / n).collect();
+    let w_w = grid.phase_of.iter().map(|&phase| shares[phase]).collect();
+    (grid, Iterate::lossless(steps_s, w_w))
+}
+
+/// The part of `last` after `elapsed_s` on a fresh grid, with the phase in progress free to end
+/// at once when it has lasted long enough; `None` when nothing is left.
+pub(super) fn from_plan(
+    last: &Plan,
+    elapsed_s: f64,
+    settings: &Settings,
+) -> Option<(Grid, Iterate)> {
+    let phases: Vec<&Phase> =
+        last.phases.iter().filter(|p| p.end_s() - elapsed_s > PHASE_REMAINDER_MIN_S).collect();
+    let powered: Vec<bool> = phases.iter().map(|phase| phase.powered).collect();
+    let structure = Structure::of(&powered)?;
+    let mut grid = Grid::new(structure, settings);
+    let age_s = last.phase_age_s(elapsed_s);
+    let first = &mut grid.phases[0];
+    let count = first.intervals as f64;
+    first.step_min_s = (first.step_min_s - age_s / count).max(PHASE_REMAINDER_MIN_S / count);
+
+    let mut steps_s = Vec::new();
+    let mut w_w = Vec::new();
+    for (phase, new) in phases.iter().zip(&grid.phases) {
+        let start_s = phase.start_s.max(elapsed_s);
+        let step_s = (phase.end_s() - start_s) / new.intervals as f64;
+        steps_s.push(step_s);
+        w_w.extend((0..new.intervals).map(|j| {
+            let from_s = start_s + j as f64 * step_s;
+            last.impulse_w(from_s, from_s + step_s)
+        }));
+    }
+    Some((grid, Iterate::lossless(steps_s, w_w)))
+}

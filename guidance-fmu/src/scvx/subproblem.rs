@@ -1,0 +1,326 @@
+//! The convex subproblem about a reference trajectory (G.8-G.18), assembled in scaled units.
+
+use nalgebra::Vector3;
+
+use super::conic::{Affine, Program};
+use super::problem::Problem;
+use super::structure::Grid;
+use super::trajectory::{Iterate, Trajectory};
+
+/// Weight of a scaled unit of terminal or path slack against a scaled unit of Δv. The target's
+/// multipliers are of order one in these units, so the penalty is exact (Han & Mangasarian 1979).
+pub(super) const SLACK_WEIGHT: f64 = 1e2;
+
+/// Price of a scaled unit of impulse in reserve: above the Δv it saves, below the slack weight.
+pub(super) const RESERVE_WEIGHT: f64 = 10.0;
+
+/// Radius that keeps a nearly vanished phase free to grow again, s.
+const RADIUS_MIN_S: f64 = 0.05;
+
+/// Units that bring positions, velocities and durations to order one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    pub length_m: f64,
+    pub velocity_m_s: f64,
+    pub time_s: f64,
+}
+
+impl Scale {
+    pub fn new(problem: &Problem) -> Self {
+        let g_m_s2 = problem.gravity_m_s2;
+        let distance_m = (problem.r0_w - problem.r_f_w).norm();
+        let braking_m = (problem.v0_w - problem.v_f_w).norm_squared() / (2.0 * g_m_s2);
+        let length_m = distance_m.max(braking_m).max(1.0);
+        let velocity_m_s = (length_m * g_m_s2).sqrt();
+        Self { length_m, velocity_m_s, time_s: velocity_m_s / g_m_s2 }
+    }
+}
+
+/// Columns of the program: w, h and the reserve e of each burn interval, then d of each phase, then
+/// slacks. Without a reserve there is no e.
+struct Columns {
+    stride: usize,
+    /// Rank of an interval among the powered ones.
+    rank: Vec<Option<usize>>,
+    burns: usize,
+    phases: usize,
+}
+
+impl Columns {
+    fn new(problem: &Problem, grid: &Grid) -> Self {
+        let mut rank = vec![None; grid.len()];
+        let mut burns = 0;
+        for j in grid.burns() {
+            rank[j] = Some(burns);
+            burns += 1;
+        }
+        Self {
+            stride: if problem.reserve.is_some() { 5 } else { 4 },
+            rank,
+            burns,
+            phases: grid.phases.len(),
+        }
+    }
+
+    fn w(&self, rank: usize, axis: usize) -> usize {
+        self.stride * rank + axis
+    }
+
+    fn h(&self, rank: usize) -> usize {
+        self.stride * rank + 3
+    }
+
+    fn reserve(&self, rank: usize) -> Option<usize> {
+        (self.stride == 5).then_some(self.stride * rank + 4)
+    }
+
+    fn step(&self, phase: usize) -> usize {
+        self.stride * self.burns + phase
+    }
+
+    /// Positive and negative part of one of the six terminal slacks.
+    fn slack(&self, row: usize) -> [usize; 2] {
+        let first = self.stride * self.burns + self.phases + 2 * row;
+        [first, first + 1]
+    }
+
+    fn path_slack(&self) -> usize {
+        self.stride * self.burns + self.phases + 12
+    }
+
+    fn len(&self) -> usize {
+        self.path_slack() + 1
+    }
+}
+
+/// What an outer iteration adds to the reference.
+#[derive(Clone, Debug)]
+pub(super) struct Local {
+    /// Relative trust radius on the durations.
+    pub trust: f64,
+    /// Proximal weight on the relative change of the durations.
+    pub stiffness: f64,
+    /// Nodes with path rows.
+    pub path_nodes: Vec<usize>,
+    /// Whether the thrust itself, not only its bound variable, is kept above its floor.
+    pub thrust_floor: bool,
+}
+
+/// The subproblem of one outer iteration.
+pub(super) struct Subproblem<'a> {
+    pub problem: &'a Problem,
+    pub grid: &'a Grid,
+    pub scale: Scale,
+}
+
+impl Subproblem<'_> {
+    /// Program about `reference`.
+    pub fn build(&self, reference: &Trajectory, local: &Local) -> Program {
+        let columns = Columns::new(self.problem, self.grid);
+        let mut cost = vec![0.0; columns.len()];
+        let mut curvature = vec![0.0; columns.len()];
+        for (index, phase) in self.grid.phases.iter().enumerate() {
+            // ½ κ ((d − d̄)/d̄)² (G.16), softened where a phase has nearly vanished.
+            let reference_s = reference.iterate.step_s[index];
+            let unit = (reference_s + RADIUS_MIN_S / phase.intervals as f64) / self.scale.time_s;
+            let weight = local.stiffness / (unit * unit);
+            curvature[columns.step(index)] = weight;
+            cost[columns.step(index)] = -weight * reference_s / self.scale.time_s;
+        }
+        for rank in 0..columns.burns {
+            cost[columns.h(rank)] = 1.0;
+            columns.reserve(rank).into_iter().for_each(|e| cost[e] = RESERVE_WEIGHT);
+        }
+        cost[columns.slack(0)[0]..].fill(SLACK_WEIGHT);
+        let mut program = Program::new(curvature, cost);
+
+        self.terminal_rows(&mut program, &columns, reference);
+        self.thrust_rows(&mut program, &columns, reference, local);
+        self.trust_rows(&mut program, &columns, reference, local.trust);
+        for column in columns.slack(0)[0]..columns.len() {
+            program.nonnegative(Affine::new([(column, 1.0)], 0.0));
+        }
+        if let Some(z_min_m) = self.problem.path.altitude_min_m {
+            // (G.17)
+            for &node in &local.path_nodes {
+                let mut row = self.position(&columns, reference, node, 2);
+                row.constant -= z_min_m / self.scale.length_m;
+                row.terms.push((columns.path_slack(), 1.0));
+                program.nonnegative(row);
+            }
+        }
+        for (rank, _) in self.grid.burns().enumerate() {
+            let cone =
+                [columns.h(rank), columns.w(rank, 0), columns.w(rank, 1), columns.w(rank, 2)];
+            program.second_order(cone.map(|column| Affine::new([(column, 1.0)], 0.0))); // (G.10)
+        }
+        if let Some(angle_rad) = self.problem.path.glide_slope_rad {
+            for &node in &local.path_nodes {
+                program.second_order(self.glide_slope(&columns, reference, node, angle_rad));
+            }
+        }
+        program
+    }
+
+    /// Physical iterate from a solution vector.
+    pub fn extract(&self, x: &[f64]) -> Iterate {
+        let columns = Columns::new(self.problem, self.grid);
+        let (velocity_m_s, time_s) = (self.scale.velocity_m_s, self.scale.time_s);
+        let w = |rank: &Option<usize>| {
+            rank.map_or(Vector3::zeros(), |rank| {
+                Vector3::from_fn(|axis, _| x[columns.w(rank, axis)] * velocity_m_s)
+            })
+        };
+        let h = |rank: &Option<usize>| rank.map_or(0.0, |rank| x[columns.h(rank)] * velocity_m_s);
+        Iterate {
+            step_s: (0..columns.phases).map(|phase| x[columns.step(phase)] * time_s).collect(),
+            w_w: columns.rank.iter().map(w).collect(),
+            h: columns.rank.iter().map(h).collect(),
+        }
+    }
+
+    /// Target velocity (G.8) and linearised target position (G.9), each with a slack.
+    fn terminal_rows(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
+        let (problem, scale) = (self.problem, &self.scale);
+        let gravity_w = problem.gravity_w();
+        for axis in 0..3 {
+            let excess_m_s = (problem.v0_w - problem.v_f_w)[axis];
+            let mut row = Affine::new([], excess_m_s / scale.velocity_m_s);
+            row.terms.extend((0..columns.burns).map(|rank| (columns.w(rank, axis), 1.0)));
+            for (index, phase) in self.grid.phases.iter().enumerate() {
+                let gain_m_s2 = gravity_w[axis] * phase.intervals as f64;
+                row.terms
+                    .push((columns.step(index), gain_m_s2 * scale.time_s / scale.velocity_m_s));
+            }
+            program.zero(with_slack(row, columns.slack(axis)));
+        }
+        for axis in 0..3 {
+            let mut row = self.position(columns, reference, self.grid.len(), axis);
+            row.constant -= problem.r_f_w[axis] / scale.length_m;
+            program.zero(with_slack(row, columns.slack(3 + axis)));
+        }
+    }
+
+    /// Thrust bounds at the ends of each interval (G.11), tilt (G.12) and their reserve (G.14).
+    fn thrust_rows(
+        &self,
+        program: &mut Program,
+        columns: &Columns,
+        reference: &Trajectory,
+        local: &Local,
+    ) {
+        let (problem, grid) = (self.problem, self.grid);
+        let per_step = self.scale.time_s / self.scale.velocity_m_s;
+        for (rank, j) in grid.burns().enumerate() {
+            let (h, w_z) = (columns.h(rank), columns.w(rank, 2));
+            let step = columns.step(grid.phase_of[j]);
+            let low = problem.thrust_min_n / reference.nodes[j + 1].mass_kg * per_step;
+            let ceiling = |thrust_n: f64| {
+                let high = thrust_n / reference.nodes[j].mass_kg * per_step;
+                Affine::new([(h, -1.0), (step, high)], 0.0)
+            };
+            let tilt = |tilt_rad: f64| Affine::new([(w_z, 1.0), (h, -tilt_rad.cos())], 0.0);
+            let mut nominal =
+                [ceiling(problem.thrust_max_n), tilt(problem.tilt_limit_rad(j, grid.len()))];
+            if let (Some(reserve), Some(e)) = (problem.reserve, columns.reserve(rank)) {
+                nominal.iter_mut().for_each(|row| row.terms.push((e, 1.0)));
+                program.nonnegative(ceiling(reserve.thrust_max_n));
+                program.nonnegative(tilt(reserve.tilt_max_rad));
+                program.nonnegative(Affine::new([(e, 1.0)], 0.0));
+            }
+            nominal.into_iter().for_each(|row| program.nonnegative(row));
+            program.nonnegative(Affine::new([(h, 1.0), (step, -low)], 0.0));
+            if local.thrust_floor {
+                // (G.13): the floor on the thrust itself, along its reference direction.
+                let w_ref = reference.iterate.w_w[j].try_normalize(0.0).unwrap_or_else(Vector3::z);
+                let mut row = Affine::new([(step, -low)], 0.0);
+                row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), w_ref[axis])));
+                program.nonnegative(row);
+            }
+        }
+    }
+
+    /// Trust region on the durations (G.15).
+    fn trust_rows(
+        &self,
+        program: &mut Program,
+        columns: &Columns,
+        reference: &Trajectory,
+        trust: f64,
+    ) {
+        for (index, phase) in self.grid.phases.iter().enumerate() {
+            let step_s = reference.iterate.step_s[index];
+            let radius_s = trust * (step_s + RADIUS_MIN_S / phase.intervals as f64);
+            let low = (step_s - radius_s).max(phase.step_min_s) / self.scale.time_s;
+            let high = (step_s + radius_s).max(phase.step_min_s) / self.scale.time_s;
+            program.nonnegative(Affine::new([(columns.step(index), 1.0)], -low));
+            program.nonnegative(Affine::new([(columns.step(index), -1.0)], high));
+        }
+    }
+
+    /// Glide-slope cone at a node (G.17).
+    fn glide_slope(
+        &self,
+        columns: &Columns,
+        reference: &Trajectory,
+        node: usize,
+        angle_rad: f64,
+    ) -> [Affine; 3] {
+        let relative = |axis| {
+            let mut row = self.position(columns, reference, node, axis);
+            row.constant -= self.problem.r_f_w[axis] / self.scale.length_m;
+            row
+        };
+        let mut height = relative(2);
+        height.constant *= angle_rad.tan();
+        height.terms.iter_mut().for_each(|(_, c)| *c *= angle_rad.tan());
+        height.terms.push((columns.path_slack(), 1.0));
+        [height, relative(0), relative(1)]
+    }
+
+    /// Scaled position at a node, linearised in the durations about the reference (G.9).
+    fn position(
+        &self,
+        columns: &Columns,
+        reference: &Trajectory,
+        node: usize,
+        axis: usize,
+    ) -> Affine {
+        let (problem, grid, scale) = (self.problem, self.grid, &self.scale);
+        let Iterate { step_s, w_w, .. } = &reference.iterate;
+        let t_node_s = reference.nodes[node].t_s;
+        let gravity_m_s2 = problem.gravity_w()[axis];
+        // ∂(t_node)/∂d of each phase: its intervals between interval j and the node.
+        let mut ahead = vec![0.0; columns.phases];
+        grid.phase_of[..node].iter().for_each(|&phase| ahead[phase] += 1.0);
+        let fall_m_s = problem.v0_w[axis] + gravity_m_s2 * t_node_s;
+        let fall_slope_m_s: Vec<f64> = ahead.iter().map(|n| n * fall_m_s).collect();
+
+        let mut row = Affine::default();
+        let mut thrust_slope_m_s = vec![0.0; columns.phases];
+        for (j, &phase) in grid.phase_of[..node].iter().enumerate() {
+            if let Some(rank) = columns.rank[j] {
+                // The impulse acts from the middle of its interval.
+                let lever_s = t_node_s - reference.nodes[j].t_s - 0.5 * step_s[phase];
+                let per_w = lever_s * scale.velocity_m_s / scale.length_m;
+                row.terms.push((columns.w(rank, axis), per_w));
+                (0..columns.phases).for_each(|p| thrust_slope_m_s[p] += w_w[j][axis] * ahead[p]);
+                thrust_slope_m_s[phase] -= 0.5 * w_w[j][axis];
+            }
+            ahead[phase] -= 1.0;
+        }
+        let mut constant_m = problem.r0_w[axis] - 0.5 * gravity_m_s2 * t_node_s * t_node_s;
+        for p in 0..columns.phases {
+            let slope_m_s = fall_slope_m_s[p] + thrust_slope_m_s[p];
+            row.terms.push((columns.step(p), slope_m_s * scale.time_s / scale.length_m));
+            constant_m -= thrust_slope_m_s[p] * step_s[p];
+        }
+        row.constant = constant_m / scale.length_m;
+        row
+    }
+}
+
+fn with_slack(mut row: Affine, [plus, minus]: [usize; 2]) -> Affine {
+    row.terms.extend([(plus, 1.0), (minus, -1.0)]);
+    row
+}

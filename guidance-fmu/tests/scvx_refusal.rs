@@ -1,0 +1,80 @@
+//! What the planner refuses, and the reason it gives.
+
+mod scvx_scenarios;
+
+use guidance_fmu::scvx::{PathLimits, PlanError, Problem, Settings, Structure, plan, replan};
+use nalgebra::Vector3;
+use scvx_scenarios::{descent, flown_descent};
+
+fn refusal(problem: &Problem, settings: &Settings) -> PlanError {
+    plan(problem, settings).expect_err("no plan exists")
+}
+
+#[test]
+fn strictly_on_within_the_tilt_limit() {
+    // 800 N · cos 29° / 259.5 kg − 1.625 m/s² = 1.071 m/s² upwards, always.
+    let settings = Settings { structure: Some(Structure::On), ..Settings::default() };
+    match refusal(&descent(), &settings) {
+        PlanError::Tilt { net_up_m_s2, .. } => assert!((net_up_m_s2 - 1.071).abs() < 1e-3),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn too_little_fuel() {
+    match refusal(&Problem { dry_mass_kg: 255.0, ..descent() }, &Settings::default()) {
+        PlanError::Fuel { needed_kg, available_kg } => {
+            assert!((needed_kg / 6.74907 - 1.0).abs() < 1e-3, "{needed_kg} kg");
+            assert_eq!(available_kg, 4.5);
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn too_low_to_stop() {
+    // 40 m/s at 18.4 m/s² net takes 43 m; 20 m are left.
+    let (r0_w, v0_w) = (Vector3::new(0.0, 0.0, 20.0), Vector3::new(0.0, 0.0, -40.0));
+    let path = PathLimits { altitude_min_m: Some(0.0), glide_slope_rad: None };
+    let error = refusal(&Problem { r0_w, v0_w, path, ..descent() }, &Settings::default());
+    assert!(matches!(error, PlanError::Altitude { .. }), "{error}");
+}
+
+#[test]
+fn start_outside_the_glide_slope() {
+    let path = PathLimits { glide_slope_rad: Some(0.3), altitude_min_m: None };
+    match refusal(&Problem { path, ..descent() }, &Settings::default()) {
+        PlanError::GlideSlope { t_s, outside_m } => assert!(t_s == 0.0 && outside_m > 100.0),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn spent_budget() {
+    let settings = Settings { solves_max: 2, ..Settings::default() };
+    assert_eq!(refusal(&flown_descent(), &settings), PlanError::IterationBudget { solves: 2 });
+}
+
+#[test]
+fn inputs_are_named() {
+    let nan = f64::NAN;
+    let cases: [(&str, Problem); 8] = [
+        ("r0_w", Problem { r0_w: Vector3::new(0.0, nan, 0.0), ..descent() }),
+        ("v0_w", Problem { v0_w: Vector3::new(f64::INFINITY, 0.0, 0.0), ..descent() }),
+        ("mass_kg", Problem { mass_kg: 100.0, ..descent() }),
+        ("gravity_m_s2", Problem { gravity_m_s2: -1.6, ..descent() }),
+        ("isp_s", Problem { isp_s: 0.0, ..descent() }),
+        ("thrust_max_n", Problem { thrust_max_n: nan, ..descent() }),
+        ("thrust_min_n", Problem { thrust_min_n: 6000.0, ..descent() }),
+        ("tilt_max_rad", Problem { tilt_max_rad: 29.0, ..descent() }),
+    ];
+    for (name, problem) in cases {
+        match refusal(&problem, &Settings::default()) {
+            PlanError::Input { field, .. } => assert_eq!(field, name),
+            other => panic!("{name}: {other}"),
+        }
+    }
+    let last = plan(&descent(), &Settings::default()).expect("feasible");
+    let error = replan(&descent(), &Settings::default(), &last, nan).expect_err("not a time");
+    assert!(matches!(error, PlanError::Input { field: "elapsed_s", .. }), "{error}");
+}
