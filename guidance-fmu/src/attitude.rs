@@ -1,4 +1,4 @@
-//! Attitude control by gimbal and thrusters (G.20 to G.23).
+//! Attitude control by gimbal and thrusters (G.35 to G.37).
 
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
@@ -48,12 +48,13 @@ pub fn control(
     let turn_b = nav.attitude_wb.inverse() * up_rate_w;
     let rate_b = (turn_b - error_b * gains.error_to_rate_1_s).cap_magnitude(gains.rate_max_rad_s);
     let acceleration_b = (rate_b - nav.rate_b) * gains.rate_to_acceleration_1_s;
+    // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
     allocate(vehicle, nav, &torque_b, thrust_n)
 }
 
-/// Attitude whose trimmed thrust line is `up_w` (G.21).
+/// Attitude whose trimmed thrust line is `up_w` (G.35).
 fn attitude_for(
     vehicle: &Vehicle,
     nav: &Navigation,
@@ -71,7 +72,7 @@ fn attitude_for(
     UnitQuaternion::from_rotation_matrix(&frame) * trim
 }
 
-/// Gimbal first, thrusters for what it can't give (G.22, G.23).
+/// Gimbal first, thrusters for what it can't give (G.37).
 fn allocate(
     vehicle: &Vehicle,
     nav: &Navigation,

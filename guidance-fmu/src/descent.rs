@@ -1,4 +1,4 @@
-//! The terminal law (G.15 to G.18) and the fall-back, which is the same law with no target.
+//! The terminal law (G.31 to G.34) and the fall-back, which is the same law with no target.
 //!
 //! Thrust cannot go below the floor, and the floor exceeds the weight: the vehicle can't hover,
 //! so the law either brakes or has the engine off, and it never asks for anything between.
@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::navigation::Navigation;
 
 /// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
-const LATERAL_POSITION_1_S2: f64 = 0.5;
-const LATERAL_VELOCITY_1_S: f64 = 1.4;
+const LATERAL_POSITION_1_S2: f64 = 0.25;
+const LATERAL_VELOCITY_1_S: f64 = 1.0;
 /// Lateral tilt allowed high up and at cut-off, rad: the vehicle has to arrive upright.
 const TILT_HIGH_RAD: f64 = 0.14;
 const TILT_LOW_RAD: f64 = 0.02;
@@ -45,7 +45,7 @@ pub struct Demand {
     pub up_w: Vector3<f64>,
 }
 
-/// One step of the law (G.15): brake so that the cut-off speed is reached at the cut-off height.
+/// One step of the law (G.31): brake so that the cut-off speed is reached at the cut-off height.
 pub fn demand(
     vehicle: &Vehicle,
     gravity_m_s2: f64,
@@ -76,7 +76,7 @@ pub fn demand(
     Demand { thrust_acceleration_w, up_w: acceleration_w.normalize() }
 }
 
-/// Lateral acceleration within the tilt that the height still allows (G.16).
+/// Lateral acceleration within the tilt that the height still allows (G.32).
 fn lateral_demand(nav: &Navigation, aim: Aim, height_m: f64, vertical_m_s2: f64) -> Vector3<f64> {
     let offset_w = match aim {
         Aim::Target(target_w) => nav.position_w - target_w,
@@ -92,7 +92,7 @@ fn lateral_demand(nav: &Navigation, aim: Aim, height_m: f64, vertical_m_s2: f64)
     Vector3::new(wanted_w.x, wanted_w.y, 0.0).cap_magnitude(vertical_m_s2 * tilt_rad.tan())
 }
 
-/// Cut-off by speed, height or leg probe (G.18). Speed counts what the tail-off still gives.
+/// Cut-off by speed, height or leg probe (G.34). Speed counts what the tail-off still gives.
 pub fn cut_off(vehicle: &Vehicle, task: &Task, nav: &Navigation, thrust_n: f64) -> bool {
     let tail_off_m_s = thrust_n * vehicle.engine.thrust_lag_s / nav.mass.mass_kg;
     let slow = nav.velocity_w.z + tail_off_m_s >= -task.cutoff_speed_m_s

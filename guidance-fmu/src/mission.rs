@@ -130,7 +130,7 @@ impl Mission {
         self.phase = if self.planning.flown.is_some() { Phase::Coast } else { Phase::FallBack };
     }
 
-    /// Feed-forward of the plan with feedback on its path (G.19). Commands lead by the engine's
+    /// Feed-forward of the plan with feedback on its path (G.30). Commands lead by the engine's
     /// lag, so that the thrust itself is in time.
     fn follow_plan(&mut self, context: &Context) -> Orders {
         let Context { vehicle, now, nav, .. } = *context;

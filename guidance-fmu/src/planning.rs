@@ -16,7 +16,7 @@ const SLEW_TIME_S: f64 = 2.5;
 const FREEZE_S: f64 = 2.0;
 /// The planned thrust direction ends within this of the vertical.
 const FINAL_TILT_RAD: f64 = 0.07;
-const FINAL_TILT_INTERVALS: usize = 2;
+const FINAL_TILT_INTERVALS: usize = 3;
 
 /// What a disturbed flight may draw on beyond the planned band: this share of the thrust between
 /// the planned ceiling and the engine's, and 2° of tilt (29° + 2° stays within the body's 34°).
@@ -138,7 +138,7 @@ fn problem(
 }
 
 /// Centre-of-mass state at which the terminal law takes over: above the target, with the speed
-/// that its deceleration takes off down to the cut-off height (G.17).
+/// that its deceleration takes off down to the cut-off height (G.33).
 pub fn gate(task: &Task, nav: &Navigation) -> (Vector3<f64>, Vector3<f64>) {
     let com_height_m = nav.mass.com_b.z;
     let position_w = task.target_w + Vector3::z() * (task.gate_height_m + com_height_m);

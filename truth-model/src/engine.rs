@@ -26,19 +26,31 @@ pub fn gimbal_target_rad(engine: &Engine, command_rad: Vector2<f64>) -> Vector2<
     command_rad.map(|angle| angle.clamp(-engine.gimbal_limit_rad, engine.gimbal_limit_rad))
 }
 
-/// dT/dt of the first-order lag (T.5).
-pub fn thrust_rate_n_s(engine: &Engine, thrust_n: f64, target_n: f64) -> f64 {
-    (target_n - thrust_n) / engine.thrust_lag_s
+/// Thrust after `time_s` of a held target: first-order lag, exact (T.5).
+pub fn thrust_after_n(engine: &Engine, thrust_n: f64, target_n: f64, time_s: f64) -> f64 {
+    target_n + (thrust_n - target_n) * (-time_s / engine.thrust_lag_s).exp()
 }
 
-/// Gimbal rates: first-order lag within the rate limit (T.6).
-pub fn gimbal_rate_rad_s(
+/// Gimbal angles after `time_s` of a held target: first-order lag within the rate limit, exact
+/// (T.6). The corner between the two would cost an integrator its order.
+pub fn gimbal_after_rad(
     engine: &Engine,
     gimbal_rad: Vector2<f64>,
     target_rad: Vector2<f64>,
+    time_s: f64,
 ) -> Vector2<f64> {
-    ((target_rad - gimbal_rad) / engine.gimbal_lag_s)
-        .map(|rate| rate.clamp(-engine.gimbal_rate_rad_s, engine.gimbal_rate_rad_s))
+    let (rate_rad_s, lag_s) = (engine.gimbal_rate_rad_s, engine.gimbal_lag_s);
+    gimbal_rad.zip_map(&target_rad, |angle, target| {
+        let error = target - angle;
+        // Beyond this error the lag asks for more than the rate limit.
+        let limited = (error.abs() - rate_rad_s * lag_s).max(0.0);
+        let limited_s = limited / rate_rad_s;
+        if time_s < limited_s {
+            return angle + error.signum() * rate_rad_s * time_s;
+        }
+        let left = error - error.signum() * limited;
+        target - left * (-(time_s - limited_s) / lag_s).exp()
+    })
 }
 
 /// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
@@ -76,6 +88,23 @@ mod tests {
             assert_eq!(target(command), thrust, "command {command} N");
         }
         assert_eq!(thrust_target_n(&yunt(), Ignition::Never, 3000.0), 0.0);
+    }
+
+    #[test]
+    fn actuators_follow_their_differential_equations() {
+        let engine = yunt();
+        let (rate, lag_s) = (engine.gimbal_rate_rad_s, engine.gimbal_lag_s);
+        let (start, target) = (Vector2::new(-0.1, 0.001), Vector2::new(0.1, 0.004));
+        let at = |t| gimbal_after_rad(&engine, start, target, t);
+        for n in 0..700 {
+            let (t, h) = (1e-3 * f64::from(n), 1e-6);
+            let slope = (at(t + h) - at(t)) / h;
+            let expected = ((target - at(t)) / lag_s).map(|r| r.clamp(-rate, rate));
+            // A forward difference errs by h/2 times the second derivative, rate/lag = 7 rad/s².
+            assert!((slope - expected).norm() < 1e-5, "t = {t} s: {slope} is not {expected}");
+        }
+        let thrust_n = thrust_after_n(&engine, 0.0, 1000.0, engine.thrust_lag_s);
+        assert!((thrust_n - 1000.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-9);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine;
 
-/// Everything that is integrated. Position and velocity are those of the structural origin O,
+/// Motion and what moves it. Position and velocity are those of the structural origin O,
 /// so a migrating centre of mass moves nothing by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
@@ -37,7 +37,8 @@ pub struct Wrench {
     pub torque_b: Vector3<f64>,
 }
 
-type Packed = SVector<f64, 17>;
+/// The integrated part: position, velocity, quaternion, rate, propellant.
+type Packed = SVector<f64, 14>;
 
 impl Motion {
     fn pack(&self) -> Packed {
@@ -48,12 +49,10 @@ impl Motion {
         x.fixed_rows_mut::<4>(6).copy_from(&q);
         x.fixed_rows_mut::<3>(10).copy_from(&self.rate_b);
         x[13] = self.propellant_kg;
-        x[14] = self.thrust_n;
-        x.fixed_rows_mut::<2>(15).copy_from(&self.gimbal_rad);
         x
     }
 
-    fn unpack(x: &Packed) -> Self {
+    fn unpack(x: &Packed, thrust_n: f64, gimbal_rad: Vector2<f64>) -> Self {
         Self {
             position_w: x.fixed_rows::<3>(0).into(),
             velocity_w: x.fixed_rows::<3>(3).into(),
@@ -62,13 +61,14 @@ impl Motion {
             )),
             rate_b: x.fixed_rows::<3>(10).into(),
             propellant_kg: x[13],
-            thrust_n: x[14],
-            gimbal_rad: x.fixed_rows::<2>(15).into(),
+            thrust_n,
+            gimbal_rad,
         }
     }
 
     pub fn is_finite(&self) -> bool {
-        self.pack().iter().all(|value| value.is_finite())
+        let actuators = [self.thrust_n, self.gimbal_rad.x, self.gimbal_rad.y];
+        self.pack().iter().chain(&actuators).all(|value| value.is_finite())
     }
 
     /// Velocity of a body-fixed point, world frame.
@@ -103,24 +103,30 @@ pub fn propellant_flow_kg_s(vehicle: &Vehicle, motion: &Motion, drive: &Drive) -
         + engine::flow_kg_s(rcs_thrust_n, vehicle.rcs.isp_s)
 }
 
-/// The parts of the derivative that go on while the contact engine owns the motion.
-pub fn internal_rates(
+/// Thrust and gimbal angles `time_s` into a tick.
+pub fn actuators_after(
     vehicle: &Vehicle,
     motion: &Motion,
     drive: &Drive,
-) -> (f64, f64, Vector2<f64>) {
+    time_s: f64,
+) -> (f64, Vector2<f64>) {
+    let engine = &vehicle.engine;
     (
-        -propellant_flow_kg_s(vehicle, motion, drive),
-        engine::thrust_rate_n_s(&vehicle.engine, motion.thrust_n, drive.thrust_target_n),
-        engine::gimbal_rate_rad_s(&vehicle.engine, motion.gimbal_rad, drive.gimbal_target_rad),
+        engine::thrust_after_n(engine, motion.thrust_n, drive.thrust_target_n, time_s),
+        engine::gimbal_after_rad(engine, motion.gimbal_rad, drive.gimbal_target_rad, time_s),
     )
 }
 
-/// Time derivative of the packed state.
-fn derivative(vehicle: &Vehicle, gravity_m_s2: f64, drive: &Drive, x: &Packed) -> Packed {
-    let motion = Motion::unpack(x);
+/// Time derivative of the packed state, for the motion that it was packed from.
+fn derivative(
+    vehicle: &Vehicle,
+    gravity_m_s2: f64,
+    drive: &Drive,
+    x: &Packed,
+    motion: &Motion,
+) -> Packed {
     let mass = vehicle.mass.at(motion.propellant_kg.max(0.0));
-    let wrench = propulsion(vehicle, &motion, drive);
+    let wrench = propulsion(vehicle, motion, drive);
     let rate_b = motion.rate_b;
 
     // (T.2) Euler's equation about the centre of mass.
@@ -140,15 +146,12 @@ fn derivative(vehicle: &Vehicle, gravity_m_s2: f64, drive: &Drive, x: &Packed) -
     let q = Quaternion::from_vector(x.fixed_rows::<4>(6).into());
     let q_dot = q * Quaternion::from_imag(rate_b) * 0.5;
 
-    let (propellant_rate, thrust_rate, gimbal_rate) = internal_rates(vehicle, &motion, drive);
     let mut dx = Packed::zeros();
     dx.fixed_rows_mut::<3>(0).copy_from(&motion.velocity_w);
     dx.fixed_rows_mut::<3>(3).copy_from(&acceleration_w);
     dx.fixed_rows_mut::<4>(6).copy_from(&q_dot.coords);
     dx.fixed_rows_mut::<3>(10).copy_from(&angular_acceleration_b);
-    dx[13] = propellant_rate;
-    dx[14] = thrust_rate;
-    dx.fixed_rows_mut::<2>(15).copy_from(&gimbal_rate);
+    dx[13] = -propellant_flow_kg_s(vehicle, motion, drive);
     dx
 }
 
@@ -160,13 +163,19 @@ pub fn advance(
     drive: &Drive,
     step_s: f64,
 ) -> Motion {
-    let f = |x: &Packed| derivative(vehicle, gravity_m_s2, drive, x);
+    let unpack = |x: &Packed, time_s: f64| {
+        let (thrust_n, gimbal_rad) = actuators_after(vehicle, motion, drive, time_s);
+        Motion::unpack(x, thrust_n, gimbal_rad)
+    };
+    let f =
+        |x: &Packed, time_s: f64| derivative(vehicle, gravity_m_s2, drive, x, &unpack(x, time_s));
     let x = motion.pack();
-    let k1 = f(&x);
-    let k2 = f(&(x + k1 * (0.5 * step_s)));
-    let k3 = f(&(x + k2 * (0.5 * step_s)));
-    let k4 = f(&(x + k3 * step_s));
-    let mut next = Motion::unpack(&(x + (k1 + (k2 + k3) * 2.0 + k4) * (step_s / 6.0)));
+    let half_s = 0.5 * step_s;
+    let k1 = f(&x, 0.0);
+    let k2 = f(&(x + k1 * half_s), half_s);
+    let k3 = f(&(x + k2 * half_s), half_s);
+    let k4 = f(&(x + k3 * step_s), step_s);
+    let mut next = unpack(&(x + (k1 + (k2 + k3) * 2.0 + k4) * (step_s / 6.0)), step_s);
     next.propellant_kg = next.propellant_kg.max(0.0);
     next
 }

@@ -131,11 +131,10 @@ impl TruthModel {
         let motion = &mut state.motion;
         let wrench = flight::propulsion(&self.vehicle, motion, &state.drive);
         let touch = world.step(&self.vehicle, motion, &mut state.legs, &wrench);
-        let (flow, thrust_rate, gimbal_rate) =
-            flight::internal_rates(&self.vehicle, motion, &state.drive);
-        motion.propellant_kg = (motion.propellant_kg + flow * TICK_S).max(0.0);
-        motion.thrust_n += thrust_rate * TICK_S;
-        motion.gimbal_rad += gimbal_rate * TICK_S;
+        let flow_kg_s = flight::propellant_flow_kg_s(&self.vehicle, motion, &state.drive);
+        motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
+        (motion.thrust_n, motion.gimbal_rad) =
+            flight::actuators_after(&self.vehicle, motion, &state.drive, TICK_S);
         for leg in &state.legs {
             state.peak_stroke_m = state.peak_stroke_m.max(leg.stroke_m);
             state.peak_load_n = state.peak_load_n.max(leg.load_n);

@@ -64,7 +64,8 @@ fn the_step_converges_at_fourth_order() {
     let mut start = aloft(85.5);
     start.attitude_wb = UnitQuaternion::from_euler_angles(0.1, -0.2, 0.3);
     start.rate_b = Vector3::new(0.02, 0.05, -0.03);
-    // Small gimbal steps stay below the rate limit: its corner would hide the order.
+    // Small gimbal steps stay below the rate limit: its corner, a jump in the second derivative,
+    // would show as third order.
     let drive = Drive {
         thrust_target_n: 2500.0,
         gimbal_target_rad: Vector2::new(0.01, -0.005),

@@ -1,0 +1,48 @@
+"""Where the built kit is, and a landing to look at. `cargo verify` builds what these need."""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
+FMUS = TARGET / "fmu"
+LANDER = TARGET / "release" / "lander"
+SCENARIOS = ROOT / "models" / "scenarios"
+
+
+def fmpy_command(scenario: Path, out: Path, *flags: str) -> list:
+    command = [sys.executable, "-m", "touchdown_cosim", scenario, "--out", out]
+    return command + ["--fmus", FMUS, "--lander", LANDER, *flags]
+
+
+def run(command: list, **options) -> subprocess.CompletedProcess:
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "cosim-tests" / "python")}
+    return subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, **options
+    )
+
+
+@dataclass(frozen=True)
+class Landed:
+    results: dict
+    log: Path
+    results_file: Path
+
+
+def fly(name: str, out: Path) -> Landed:
+    """Lands a scenario of the kit with FMPy."""
+    done = run(fmpy_command(SCENARIOS / f"{name}.toml", out, "--json"))
+    assert done.returncode == 0, done.stderr
+    return Landed(json.loads(done.stdout), out / f"{name}.mcap", out / f"{name}.json")
+
+
+@pytest.fixture(scope="session")
+def landing(tmp_path_factory) -> Landed:
+    """The default landing, flown once for all tests."""
+    return fly("landing", tmp_path_factory.mktemp("landing"))

@@ -1,0 +1,35 @@
+"""The native master and FMPy execute one schedule on one numeric code: equal to the last bit."""
+
+import json
+
+import pytest
+
+from conftest import LANDER, SCENARIOS, fly, run
+
+
+def native(name, out) -> dict:
+    done = run([LANDER, "run", SCENARIOS / f"{name}.toml", "--json", "--out", out])
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_fmpy_and_native_master_agree_on_every_bit_of_every_row(landing, tmp_path):
+    assert native("landing", tmp_path)["digest"] == landing.results["digest"]
+    # Equal rows give equal files, whoever produced them.
+    assert (tmp_path / "landing.mcap").read_bytes() == landing.log.read_bytes()
+    assert (tmp_path / "landing.json").read_bytes() == landing.results_file.read_bytes()
+
+
+def test_the_same_landing_twice_leaves_the_same_files(landing, tmp_path):
+    again = fly("landing", tmp_path)
+    assert again.log.read_bytes() == landing.log.read_bytes()
+    assert again.results_file.read_bytes() == landing.results_file.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["tip-over", "hop"])
+def test_contact_and_lift_off_agree_too(name, tmp_path):
+    assert native(name, tmp_path / "native")["digest"] == fly(name, tmp_path).results["digest"]
+
+
+def test_another_scenario_has_another_digest(landing, tmp_path):
+    assert native("slope-10", tmp_path)["digest"] != landing.results["digest"]

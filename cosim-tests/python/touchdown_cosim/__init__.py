@@ -1,0 +1,1 @@
+"""FMPy master of the lander: executes cosim-tests/schedule.toml on the two FMUs."""

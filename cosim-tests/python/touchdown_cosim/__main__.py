@@ -1,0 +1,5 @@
+import sys
+
+from .land import main
+
+sys.exit(main())

@@ -1,0 +1,46 @@
+//! Task runner: `cargo land` builds and flies, `cargo verify` checks everything.
+//!
+//! Standard output belongs to the result: the landing's verdict or JSON, the summary of the
+//! checks. All else goes to stderr.
+
+mod land;
+mod python;
+mod steps;
+mod verify;
+mod workspace;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cargo land [SCENARIO] [--json] [--gate] [--out DIR]   build, then land with FMPy
+       cargo verify                                          run every check
+
+SCENARIO  a scenario file, or the name of one in models/scenarios (default: landing)
+--json    print the results as one JSON object instead of the verdict
+--gate    exit with 1 unless the outcome is `landed`
+--out     folder for the log and the results (default: results)";
+
+/// Bad arguments, or a step that could not be started.
+const FAILED: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let result = match arguments.split_first() {
+        Some((_, rest)) if rest.iter().any(|word| word == "--help" || word == "-h") => {
+            println!("{USAGE}");
+            Ok(0)
+        }
+        Some((task, rest)) if task == "land" => land::land(rest),
+        Some((task, [])) if task == "verify" => verify::verify(),
+        _ => Err(steps::Failure::new(USAGE)),
+    };
+    match result {
+        Ok(code) => code.into(),
+        Err(failure) => {
+            if let Some(reason) = failure.reason {
+                eprintln!("error: {reason}");
+            }
+            failure.code.into()
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! `cargo verify`: the one list of checks, for developers and CI alike.
+
+use std::process::{Command, Stdio};
+
+use crate::land::{build, build_fmus, in_root};
+use crate::python;
+use crate::steps::{Failure, Steps, run};
+use crate::workspace::Workspace;
+
+pub fn verify() -> Result<u8, Failure> {
+    let workspace = Workspace::find()?;
+    let mut steps = Steps::new(7);
+    let result = checks(&workspace, &mut steps);
+    summarise(&steps, result.is_ok());
+    result.map(|()| 0)
+}
+
+fn checks(workspace: &Workspace, steps: &mut Steps) -> Result<(), Failure> {
+    let cargo = |arguments: &str| {
+        let mut command = in_root(Command::new("cargo"), workspace);
+        run(&format!("cargo {arguments}"), command.args(arguments.split_whitespace()))
+    };
+    steps.run("format", || cargo("fmt --all --check"))?;
+    steps.run("lint", || cargo("clippy --release --workspace --all-targets -- -D warnings"))?;
+    steps.run("build", || build(workspace))?;
+    steps.run("Rust tests", || cargo(test_command()))?;
+    steps.run("FMUs", || build_fmus(workspace))?;
+    let python = steps.run("Python environment", || python::environment(workspace))?;
+    steps.run("Python tests", || {
+        let mut pytest = in_root(Command::new(python), workspace);
+        pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);
+        run("pytest", pytest.env("PYTHONPATH", workspace.python_package()))
+    })
+}
+
+fn test_command() -> &'static str {
+    let nextest = Command::new("cargo")
+        .args(["nextest", "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    if nextest.is_ok_and(|status| status.success()) {
+        "nextest run --release --workspace"
+    } else {
+        "test --release --workspace"
+    }
+}
+
+/// Where the time went, and which step failed.
+fn summarise(steps: &Steps, passed: bool) {
+    println!();
+    let last = steps.finished.len().saturating_sub(1);
+    for (index, (name, time)) in steps.finished.iter().enumerate() {
+        let verdict = if passed || index < last { "ok" } else { "FAILED" };
+        println!("  {name:<20} {:>7.1} s   {verdict}", time.as_secs_f64());
+    }
+    let verdict = if passed { "all checks passed" } else { "checks failed" };
+    println!("  {:<20} {:>7.1} s   {verdict}", "total", steps.elapsed().as_secs_f64());
+}
