@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from touchdown_cosim import table
+
 ROOT = Path(__file__).parents[3]
 TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
 FMUS = TARGET / "fmu"
@@ -40,6 +42,12 @@ def fly(name: str, out: Path) -> Landed:
     done = run(fmpy_command(SCENARIOS / f"{name}.toml", out, "--json"))
     assert done.returncode == 0, done.stderr
     return Landed(json.loads(done.stdout), out / f"{name}.mcap", out / f"{name}.json")
+
+
+@pytest.fixture(scope="session")
+def landing_table() -> dict:
+    """Every column of the default landing."""
+    return table.fly(SCENARIOS / "landing.toml", FMUS)
 
 
 @pytest.fixture(scope="session")

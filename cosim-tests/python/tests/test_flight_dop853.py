@@ -5,17 +5,14 @@ truth-model/README.md, the numbers those of the vehicle file.
 """
 
 import tomllib
-from contextlib import ExitStack
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from conftest import FMUS, ROOT, SCENARIOS
-from touchdown_cosim import schedule
-from touchdown_cosim.component import Component
-from touchdown_cosim.master import Master
+from conftest import ROOT, SCENARIOS
+from touchdown_cosim.table import vectors
 
 G0 = 9.80665
 VEHICLE = tomllib.loads((ROOT / "models" / "vehicles" / "bug.toml").read_text())
@@ -87,37 +84,21 @@ def derivative(x, thrust_command, gimbal_command, torque_b):
 
 
 @pytest.fixture(scope="module")
-def flight():
-    """Column by name of the whole default landing, up to the hand-over to contact."""
-    plan = schedule.load()
-    with ExitStack() as stack:
-        components = {
-            name: stack.enter_context(Component(FMUS / f"{model}.fmu", name))
-            for name, model in plan.components.items()
-        }
-        for component in components.values():
-            component.initialize(SCENARIOS / "landing.toml")
-        rows = []
-        Master(plan, components).run(60.0, rows.append)
-        names = ["time_s"] + [n for part in plan.rows for n in components[part].outputs]
-    table = dict(zip(names, np.array(rows).T, strict=True))
-    steps = int(np.argmax(table["contact_active"] > 0.0))
+def flight(landing_table):
+    """The default landing up to the hand-over to contact."""
+    steps = int(np.argmax(landing_table["contact_active"] > 0.0))
     assert steps > 2000, "the descent takes more than 20 s"
-    return {name: column[:steps] for name, column in table.items()}
-
-
-def columns(flight, name, size):
-    return np.stack([flight[f"{name}[{n + 1}]"] for n in range(size)], axis=1)
+    return {name: column[:steps] for name, column in landing_table.items()}
 
 
 def test_descent_matches_dop853(flight):
-    position, velocity = columns(flight, "position_w", 3), columns(flight, "velocity_w", 3)
-    attitude = columns(flight, "attitude_wb", 4)[:, [1, 2, 3, 0]]
-    gimbal_command = columns(flight, "gimbal_command_rad", 2)
-    torque_command = columns(flight, "rcs_torque_command_b", 3)
+    position, velocity = vectors(flight, "position_w", 3), vectors(flight, "velocity_w", 3)
+    attitude = vectors(flight, "attitude_wb", 4)[:, [1, 2, 3, 0]]
+    gimbal_command = vectors(flight, "gimbal_command_rad", 2)
+    torque_command = vectors(flight, "rcs_torque_command_b", 3)
     limit = number("rcs", "torque_max_b")
     x = np.concatenate([
-        position[0], velocity[0], attitude[0], columns(flight, "rate_b", 3)[0],
+        position[0], velocity[0], attitude[0], vectors(flight, "rate_b", 3)[0],
         [flight["propellant_kg"][0], 0.0, 0.0, 0.0],
     ])
     worst = {"position": 0.0, "velocity": 0.0, "attitude": 0.0}

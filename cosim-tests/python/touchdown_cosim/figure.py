@@ -4,8 +4,6 @@
 """
 
 import argparse
-import tomllib
-from contextlib import ExitStack
 from pathlib import Path
 
 import matplotlib
@@ -14,28 +12,9 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from . import schedule
-from .component import Component
-from .master import Master
+from .table import fly
 
 INK, SKY, FLAME, LEG = "#1b2838", "#2f6fb0", "#e4572e", "#5a8f3c"
-
-
-def fly(scenario: Path, fmus: Path) -> dict[str, np.ndarray]:
-    """Every column of every row, by name."""
-    plan = schedule.load()
-    stop_time_s = tomllib.loads(scenario.read_text())["run"]["stop_time"]["value"]
-    with ExitStack() as stack:
-        components = {
-            name: stack.enter_context(Component(fmus / f"{model}.fmu", name))
-            for name, model in plan.components.items()
-        }
-        for component in components.values():
-            component.initialize(scenario.absolute())
-        rows = []
-        Master(plan, components).run(stop_time_s, rows.append)
-        names = ["time_s"] + [n for part in plan.rows for n in components[part].outputs]
-    return dict(zip(names, np.array(rows).T, strict=True))
 
 
 def path_panel(axes, t):
@@ -55,7 +34,8 @@ def thrust_panel(axes, t):
     axes.plot(t["time_s"], t["thrust_n"] / 1e3, color=FLAME, label="thrust, kN")
     axes.plot(t["time_s"], t["tilt_deg"] / 10.0, color=SKY, label="tilt, 10°")
     axes.plot(t["time_s"], -t["velocity_w[3]"] / 10.0, color=INK, label="descent, 10 m/s")
-    axes.set(xlabel="time, s", title="Engine, attitude, speed")
+    # Room for the legend above the highest curve.
+    axes.set(xlabel="time, s", title="Engine, attitude, speed", ylim=(-0.2, 4.6))
     axes.legend(frameon=False, loc="upper left")
 
 
