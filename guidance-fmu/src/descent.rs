@@ -20,8 +20,9 @@ const TILT_LOW_RAD: f64 = 0.02;
 const TILT_HEIGHT_M: f64 = 8.0;
 /// Share of the floor's own deceleration below which braking waits with the engine off.
 const WAIT_SHARE: f64 = 0.8;
-/// Deceleration at which a fall-back brakes, as a share of what full thrust gives.
-const FALLBACK_SHARE: f64 = 0.5;
+/// Deceleration at which a fall-back brakes, as a share of what full thrust gives: gentle enough
+/// to leave time for the sideways speed.
+const FALLBACK_SHARE: f64 = 0.25;
 
 /// Where the law aims.
 #[derive(Clone, Copy, Debug)]
@@ -70,14 +71,20 @@ pub fn demand(
         needed_m_s2 >= start_m_s2
     };
     let vertical_m_s2 = gravity_m_s2 + needed_m_s2.clamp(floor_m_s2, ceiling_m_s2);
-    let lateral_w = lateral_demand(nav, aim, height_m, vertical_m_s2);
+    let lateral_w = lateral_demand(task, nav, aim, height_m, vertical_m_s2);
     let acceleration_w = lateral_w + Vector3::z() * vertical_m_s2;
     let thrust_acceleration_w = braking.engine_on.then_some(acceleration_w);
     Demand { thrust_acceleration_w, up_w: acceleration_w.normalize() }
 }
 
 /// Lateral acceleration within the tilt that the height still allows (G.32).
-fn lateral_demand(nav: &Navigation, aim: Aim, height_m: f64, vertical_m_s2: f64) -> Vector3<f64> {
+fn lateral_demand(
+    task: &Task,
+    nav: &Navigation,
+    aim: Aim,
+    height_m: f64,
+    vertical_m_s2: f64,
+) -> Vector3<f64> {
     let offset_w = match aim {
         Aim::Target(target_w) => nav.position_w - target_w,
         Aim::Below => Vector3::zeros(),
@@ -86,7 +93,7 @@ fn lateral_demand(nav: &Navigation, aim: Aim, height_m: f64, vertical_m_s2: f64)
     let share = (height_m / TILT_HEIGHT_M).min(1.0);
     let high_rad = match aim {
         Aim::Target(_) => TILT_HIGH_RAD,
-        Aim::Below => 2.0 * TILT_HIGH_RAD,
+        Aim::Below => task.tilt_max_rad,
     };
     let tilt_rad = TILT_LOW_RAD + (high_rad - TILT_LOW_RAD) * share;
     Vector3::new(wanted_w.x, wanted_w.y, 0.0).cap_magnitude(vertical_m_s2 * tilt_rad.tan())

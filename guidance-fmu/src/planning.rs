@@ -2,15 +2,20 @@
 
 use lander_models::Ticks;
 use lander_models::scenario::{Guidance as Task, GuidanceMode};
-use lander_models::vehicle::Vehicle;
+use lander_models::vehicle::{G0_M_S2, Vehicle};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::navigation::Navigation;
 use crate::scvx::{self, FinalTilt, PathLimits, Plan, Problem, Reserve, Settings};
 
-/// Between the first plan and its first burn: a slew of 29° at the slew rate, s.
-const SLEW_TIME_S: f64 = 2.5;
+/// Free fall between the first plan and its first burn, tried in this order: time for a slew of
+/// 29° at the slew rate, for a small one, and none when the ground is near. A hop burns already.
+const DESCENT_LEADS: [Ticks; 3] = [Ticks(2500), Ticks(1000), Ticks(0)];
+const HOP_LEADS: [Ticks; 1] = [Ticks(0)];
+/// The planned path keeps O this far above the target's level, m: half the gate, room for a
+/// vehicle that tracks with a metre of error.
+const PATH_HEIGHT_MIN_M: f64 = 6.0;
 /// No new plan in the last seconds of the flown one: burns shorter than the attitude loop's
 /// response only disturb it (guidance notes: freeze at 2 s to go).
 const FREEZE_S: f64 = 2.0;
@@ -51,8 +56,7 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// A first plan. In a descent it starts after a coast that gives time to turn; a hop is
-    /// burning already and starts at once.
+    /// A first plan, with the longest lead that has one.
     pub fn first(
         &mut self,
         vehicle: &Vehicle,
@@ -61,12 +65,17 @@ impl Planning {
         now: Ticks,
         nav: &Navigation,
     ) {
-        let lead_s = if task.mode == GuidanceMode::Hop { 0.0 } else { SLEW_TIME_S };
-        let problem = problem(vehicle, gravity_m_s2, task, nav, lead_s);
-        // A whole number of ticks by construction of SLEW_TIME_S.
-        let start = now + Ticks((lead_s * 1000.0) as u64);
-        self.take(scvx::plan(&problem, &Settings::default()), start);
-        self.next_due = start + task.replan_period;
+        let hop = task.mode == GuidanceMode::Hop;
+        let leads: &[Ticks] = if hop { &HOP_LEADS } else { &DESCENT_LEADS };
+        for lead in leads {
+            let problem = problem(vehicle, gravity_m_s2, task, nav, lead.seconds());
+            let start = now + *lead;
+            self.take(scvx::plan(&problem, &Settings::default()), start);
+            self.next_due = start + task.replan_period;
+            if self.flown.is_some() {
+                return;
+            }
+        }
     }
 
     /// A new plan from here when one is due; the last one stays in force when it fails.
@@ -112,13 +121,20 @@ fn problem(
     let r0_w = nav.position_w + nav.velocity_w * lead_s + fall_w * (0.5 * lead_s * lead_s);
     let v0_w = nav.velocity_w + fall_w * lead_s;
     let (r_f_w, v_f_w) = gate(task, nav);
+    // The terminal law's own need: the gate's speed, and gravity for as long as it brakes.
+    let braking_s = v_f_w.norm() / task.terminal_deceleration_m_s2;
+    let reserve_kg = nav.mass.mass_kg * (v_f_w.norm() + gravity_m_s2 * braking_s)
+        / (vehicle.engine.isp_s * G0_M_S2);
+    let lowest_m = task.target_w.z + nav.mass.com_b.z + PATH_HEIGHT_MIN_M.min(task.gate_height_m);
+    // A start below it is where the vehicle is: only to sink further is refused.
+    let lowest_m = lowest_m.min(nav.position_w.z);
     Problem {
         r0_w,
         v0_w,
         r_f_w,
         v_f_w,
         mass_kg: nav.mass.mass_kg,
-        dry_mass_kg: vehicle.mass.dry.mass_kg,
+        dry_mass_kg: (vehicle.mass.dry.mass_kg + reserve_kg).min(nav.mass.mass_kg),
         gravity_m_s2,
         isp_s: vehicle.engine.isp_s,
         thrust_min_n: task.plan_thrust_min_n,
@@ -133,7 +149,7 @@ fn problem(
                 + (1.0 - RESERVE_SHARE) * task.plan_thrust_max_n,
             tilt_max_rad: task.tilt_max_rad + RESERVE_TILT_RAD,
         }),
-        path: PathLimits { glide_slope_rad: None, altitude_min_m: None },
+        path: PathLimits { glide_slope_rad: None, altitude_min_m: Some(lowest_m) },
     }
 }
 
