@@ -76,6 +76,17 @@ fn values_beyond_their_limits_name_the_limit() {
 }
 
 #[test]
+fn gear_that_contact_cannot_hold_is_refused() {
+    let error = vehicle_error("{ value = 2.0, unit = \"kg\"", "{ value = 7.0, unit = \"kg\"");
+    says(&error, &["`gear.foot_mass`", "7", "[0.5, 4.56"]);
+    // The first two feet change places: the polygon crosses itself.
+    let (first, second) = ("[1.3328963, 1.3328963, 0.0]", "[-1.3328963, 1.3328963, 0.0]");
+    let swapped = format!("{second}, {first}");
+    let error = vehicle_error(&format!("{first}, {second}"), &swapped);
+    says(&error, &["`gear.feet_b`", "counter-clockwise"]);
+}
+
+#[test]
 fn a_vehicle_s_number_needs_its_source_and_grade() {
     let error = vehicle_error("source = \"paper, Table III\", ", "");
     says(&error, &["`mass.dry_mass`", "no source"]);

@@ -12,8 +12,9 @@ use lander_models::time::TICK_S;
 use lander_models::vehicle::{Gear, Vehicle};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d_f64::dynamics::{
-    FrictionModel, ImpulseJointHandle, JointAxis, MassProperties as RapierMass, MotorModel,
-    PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+    CoefficientCombineRule, FrictionModel, ImpulseJointHandle, JointAxis,
+    MassProperties as RapierMass, MotorModel, PrismaticJointBuilder, RigidBody, RigidBodyBuilder,
+    RigidBodyHandle, SpringCoefficients,
 };
 use rapier3d_f64::geometry::{
     ColliderBuilder, ColliderHandle, Group, InteractionGroups, SharedShape,
@@ -26,8 +27,8 @@ use serde::{Deserialize, Serialize};
 use crate::flight::{Motion, Wrench};
 use crate::gear::{Leg, crush_load_n, crushed_after};
 
-/// Stiffness of pad on ground; with 2 kg feet at 1 ms it meets the energy balance of the crush
-/// stroke within 0.11 %, where the default (60 Hz, overdamped) errs by 2.8 %.
+/// Stiffness of pad on ground: 2e7 N/m for a foot of 2 kg, 0.08 mm under a crush load. Rapier's
+/// default (60 Hz, overdamped) adds millimetres of its own to a stroke.
 const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
 /// Sub-steps of one tick; one alone misses tip-over speeds by 3 %.
 const SOLVER_ITERATIONS: usize = 4;
@@ -109,10 +110,10 @@ impl ContactWorld {
         let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
         tune(&mut world);
 
-        let friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
+        let pad_friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
         let ground = world.colliders.insert(
             ColliderBuilder::new(SharedShape::halfspace(to_glam(&terrain.normal_w())))
-                .friction(friction)
+                .friction(terrain.friction)
                 .collision_groups(GROUND)
                 .build(),
         );
@@ -125,7 +126,7 @@ impl ContactWorld {
             .iter()
             .zip(legs)
             .map(|(foot_b, leg)| {
-                insert_foot(&mut world, &vehicle.gear, hull, foot_b, leg, motion, friction)
+                insert_foot(&mut world, &vehicle.gear, hull, foot_b, leg, motion, pad_friction)
             })
             .collect();
         Self { world, hull, structure, ground, feet }
@@ -136,14 +137,15 @@ impl ContactWorld {
         self.world.gravity = to_glam(gravity_w);
     }
 
-    /// One tick under the given propulsion. Updates the motion and the legs.
+    /// One tick under the given propulsion. Updates the motion and the legs. `None` once a body
+    /// has become non-finite: Rapier then freezes it and goes on as if nothing had happened.
     pub fn step(
         &mut self,
         vehicle: &Vehicle,
         motion: &mut Motion,
         legs: &mut [Leg],
         wrench: &Wrench,
-    ) -> Touch {
+    ) -> Option<Touch> {
         self.set_mass(vehicle, motion);
         self.apply(vehicle, motion, wrench);
         for (foot, leg) in self.feet.iter().zip(legs.iter()) {
@@ -161,12 +163,15 @@ impl ContactWorld {
             }
         }
         self.world.step();
+        if !self.world.quarantine().is_empty() {
+            return None;
+        }
         self.read_motion(motion);
         self.read_legs(&vehicle.gear, motion, legs);
-        Touch {
+        Some(Touch {
             feet: self.feet.iter().map(|foot| self.touches(foot.pad)).collect(),
             structure: self.structure.iter().any(|part| self.touches(*part)),
-        }
+        })
     }
 
     /// Keeps the velocity of O when the centre of mass moves: Rapier's is that of the centre of mass.
@@ -211,7 +216,8 @@ impl ContactWorld {
         }
     }
 
-    /// Axial load from the joint's impulses of the last sub-step, compression positive.
+    /// Axial load from the joint's impulses of the tick's last sub-step, compression positive.
+    /// A strut on its stop has a spike within the tick that this does not see.
     fn strut_load_n(&self, foot: &Foot) -> f64 {
         let substep_s = TICK_S / SOLVER_ITERATIONS as f64;
         let axis = JointAxis::LinX as usize;
@@ -333,6 +339,7 @@ fn insert_foot(
         ColliderBuilder::ball(gear.pad_radius_m)
             .density(0.0)
             .friction(friction)
+            .friction_combine_rule(CoefficientCombineRule::Max)
             .collision_groups(LANDER)
             .build(),
         body,

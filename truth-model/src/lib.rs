@@ -12,5 +12,6 @@ pub mod verdict;
 
 mod model;
 mod outputs;
+mod sight;
 
 pub use model::{State, TruthModel};

@@ -1,7 +1,7 @@
 //! The component: flies, hands over to contact and back, and keeps the verdict.
 
+use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
-use lander_models::frames::tilt_rad;
 use lander_models::scenario::Scenario;
 use lander_models::signals::{self, Interface};
 use lander_models::time::{TICK_S, Ticks};
@@ -10,11 +10,10 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::{ContactWorld, Touch};
+use crate::engine;
 use crate::flight::{self, Drive, Motion};
 use crate::gear::Leg;
-use crate::stability::{Tipping, tip_state};
-use crate::verdict::{FirstContact, Sight, Touchdown};
-use crate::{engine, terrain};
+use crate::verdict::Touchdown;
 
 /// The contact engine takes over when the lowest point may be this close, m, plus what two ticks
 /// of its speed cover.
@@ -23,6 +22,11 @@ const TAKE_OVER_GAP_M: f64 = 0.02;
 const HAND_BACK_GAP_M: f64 = 0.06;
 /// A lander that starts on the ground touches down only after it was this high, m.
 const AIRBORNE_GAP_M: f64 = 0.5;
+
+/// A start with the pads nearer than this to the ground, and slower, stands on it. One that has
+/// them this far below ground is refused.
+const START_GAP_M: f64 = 1e-3;
+const START_SPEED_M_S: f64 = 1e-3;
 
 /// Constant configuration.
 #[derive(Clone, Debug)]
@@ -43,8 +47,6 @@ pub struct State {
     /// Has been clear of the ground, so the next contact is a touchdown.
     pub airborne: bool,
     pub touchdown: Touchdown,
-    pub peak_stroke_m: f64,
-    pub peak_load_n: f64,
     /// Mean non-gravitational acceleration of the centre of mass over the last step.
     pub specific_force_b: Vector3<f64>,
     pub dead_zone: Ticks,
@@ -77,57 +79,55 @@ impl TruthModel {
             feet_down: vec![false; feet],
             airborne: false,
             touchdown: Touchdown::default(),
-            peak_stroke_m: 0.0,
-            peak_load_n: 0.0,
             specific_force_b: Vector3::zeros(),
             dead_zone: Ticks::ZERO,
         };
-        // A start in the air at all is a start in flight: only a vehicle on its feet lifts off.
-        state.airborne = self.lowest_m(&state) > TAKE_OVER_GAP_M;
+        // A vehicle that starts on its feet at rest lifts off first; any other start is a flight.
+        state.airborne =
+            self.lowest_m(&state) > START_GAP_M || state.motion.velocity_w.norm() > START_SPEED_M_S;
         state
     }
 
     /// Advances one tick of `TICK_S`.
     pub fn tick(&self, state: &mut State) -> Result<StepReport, ModelError> {
-        let before = state.touchdown.outcome;
-        let had_contact = state.touchdown.first.is_some();
+        let limits = &self.scenario.touchdown;
+        let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
         self.choose_engine(state);
-        let touch = match state.contact.take() {
-            Some(mut world) => {
-                let pre = state.motion;
-                let touch = self.contact_tick(&mut world, state);
-                state.contact = Some(world);
-                self.judge(state, &pre, &touch);
-                touch
-            }
-            None => {
-                state.motion = flight::advance(
-                    &self.vehicle,
-                    self.scenario.gravity_m_s2,
-                    &state.motion,
-                    &state.drive,
-                    TICK_S,
-                );
-                Touch { feet: vec![false; state.legs.len()], structure: false }
-            }
-        };
-        state.feet_down = touch.feet;
+        if let Some(mut world) = state.contact.take() {
+            let before = state.motion;
+            let touch = self.contact_tick(&mut world, state)?;
+            let sight = self.sight(state, &before, &touch);
+            state.contact = Some(world);
+            state.touchdown.look(limits, &sight);
+            state.feet_down = touch.feet;
+        } else {
+            state.motion = flight::advance(
+                &self.vehicle,
+                self.scenario.gravity_m_s2,
+                &state.motion,
+                &state.drive,
+                TICK_S,
+            );
+        }
         state.now += Ticks(1);
         if state.now >= self.scenario.stop_time {
-            state.touchdown.end();
+            state.touchdown.end(limits);
         }
         if !state.motion.is_finite() {
-            return Err(ModelError::Diverged { time_s: state.now.seconds(), what: "truth motion" });
+            return Err(self.diverged(state));
         }
         Ok(StepReport {
-            event: state.touchdown.outcome != before
-                || state.touchdown.first.is_some() != had_contact,
+            event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
             terminate: state.touchdown.decided(),
         })
     }
 
     /// Propulsion and mass go on while the contact engine owns the motion.
-    fn contact_tick(&self, world: &mut ContactWorld, state: &mut State) -> Touch {
+    fn contact_tick(
+        &self,
+        world: &mut ContactWorld,
+        state: &mut State,
+    ) -> Result<Touch, ModelError> {
         let motion = &mut state.motion;
         let wrench = flight::propulsion(&self.vehicle, motion, &state.drive);
         let touch = world.step(&self.vehicle, motion, &mut state.legs, &wrench);
@@ -135,11 +135,12 @@ impl TruthModel {
         motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
         (motion.thrust_n, motion.gimbal_rad) =
             flight::actuators_after(&self.vehicle, motion, &state.drive, TICK_S);
-        for leg in &state.legs {
-            state.peak_stroke_m = state.peak_stroke_m.max(leg.stroke_m);
-            state.peak_load_n = state.peak_load_n.max(leg.load_n);
-        }
-        touch
+        touch.ok_or_else(|| self.diverged(state))
+    }
+
+    fn diverged(&self, state: &State) -> ModelError {
+        let what = if state.contact.is_some() { "motion in contact" } else { "motion in flight" };
+        ModelError::Diverged { time_s: state.now.seconds(), what }
     }
 
     fn choose_engine(&self, state: &mut State) {
@@ -154,80 +155,17 @@ impl TruthModel {
                 &state.motion,
                 &state.legs,
             ));
-        } else if lowest_m > HAND_BACK_GAP_M.max(2.0 * near_m) {
+        } else if state.contact.is_some() && lowest_m > HAND_BACK_GAP_M.max(2.0 * near_m) {
+            // Off the ground the struts spring back to their crushed length.
             state.contact = None;
+            state.feet_down.fill(false);
+            for leg in &mut state.legs {
+                *leg = Leg { stroke_m: leg.crushed_m, load_n: 0.0, ..*leg };
+            }
         }
     }
 
-    /// Pads' ground points from O at the struts' present length.
-    pub fn feet_b<'a>(&'a self, state: &'a State) -> impl Iterator<Item = Vector3<f64>> + 'a {
-        let legs = state.legs.iter();
-        self.vehicle.gear.feet_b.iter().zip(legs).map(|(f, leg)| f + Vector3::z() * leg.stroke_m)
-    }
-
-    /// Clearance of each pad, m.
-    pub fn foot_clearances_m<'a>(&'a self, state: &'a State) -> impl Iterator<Item = f64> + 'a {
-        let radius_m = self.vehicle.gear.pad_radius_m;
-        self.feet_b(state).map(move |foot_b| {
-            let centre_w = state.motion.point_position_w(&(foot_b + Vector3::z() * radius_m));
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - radius_m
-        })
-    }
-
-    /// Clearance of the lowest pad or hull point, m.
-    fn lowest_m(&self, state: &State) -> f64 {
-        let hull = &self.vehicle.hull;
-        let rims = [hull.bottom_height_m, hull.top_height_m].map(|height_m| {
-            let centre_w = state.motion.point_position_w(&(Vector3::z() * height_m));
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - hull.radius_m
-        });
-        self.foot_clearances_m(state).chain(rims).fold(f64::INFINITY, f64::min)
-    }
-
-    pub fn com_velocity_w(&self, motion: &Motion) -> Vector3<f64> {
-        motion.point_velocity_w(&self.vehicle.mass.at(motion.propellant_kg).com_b)
-    }
-
-    fn judge(&self, state: &mut State, pre: &Motion, touch: &Touch) {
-        let limits = &self.scenario.touchdown;
-        let felt = touch.structure || touch.feet.contains(&true);
-        let feet_w: Vec<_> =
-            self.feet_b(state).map(|foot_b| state.motion.point_position_w(&foot_b)).collect();
-        let footprint_w = feet_w.iter().sum::<Vector3<f64>>() / feet_w.len() as f64;
-        if state.airborne && felt && state.touchdown.first.is_none() {
-            let first = FirstContact {
-                time: state.now,
-                com_velocity_w: self.com_velocity_w(pre),
-                tilt_rad: tilt_rad(&pre.attitude_wb),
-                rate_rad_s: pre.rate_b.norm(),
-                footprint_w,
-            };
-            state.touchdown.begin(limits, first);
-        }
-        let motion = &state.motion;
-        let mass = self.vehicle.mass.at(motion.propellant_kg);
-        let rotation = motion.attitude_wb.to_rotation_matrix();
-        let tipping = Tipping {
-            mass_kg: mass.mass_kg,
-            com_w: motion.point_position_w(&mass.com_b),
-            com_velocity_w: self.com_velocity_w(motion),
-            rate_w: motion.attitude_wb * motion.rate_b,
-            inertia_w: rotation * mass.inertia_b * rotation.inverse(),
-            gravity_m_s2: self.scenario.gravity_m_s2,
-        };
-        let sight = Sight {
-            now: state.now,
-            tip: tip_state(&tipping, &feet_w),
-            feet_down: touch.feet.iter().filter(|down| **down).count(),
-            structure_down: touch.structure,
-            speed_m_s: tipping.com_velocity_w.norm(),
-            rate_rad_s: motion.rate_b.norm(),
-            footprint_w,
-        };
-        state.touchdown.look(limits, &sight);
-    }
-
-    fn take_commands(&self, state: &mut State, inputs: &[f64], duration: Ticks) {
+    fn take_commands(&self, state: &mut State, inputs: &[f64]) {
         let (engine, rcs) = (&self.vehicle.engine, &self.vehicle.rcs);
         // Order of the truth's inputs in the signal table.
         let [thrust_n, gimbal_x, gimbal_y, torque_x, torque_y, torque_z] =
@@ -239,9 +177,6 @@ impl TruthModel {
             rcs_torque_b: Vector3::new(torque_x, torque_y, torque_z)
                 .zip_map(&limit, |t, max| t.clamp(-max, max)),
         };
-        if engine::in_dead_zone(engine, thrust_n) {
-            state.dead_zone += duration;
-        }
     }
 }
 
@@ -253,6 +188,12 @@ impl Component for TruthModel {
         let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
         let model = Self::new(scenario, vehicle);
         let state = model.initial_state();
+        let lowest_m = model.lowest_m(&state);
+        if lowest_m < -START_GAP_M {
+            let file = settings.scenario_file.clone();
+            let reason = format!("puts the vehicle {:.3} m below ground", -lowest_m);
+            return Err(ConfigError::Key { file, key: "initial.position_w".into(), reason }.into());
+        }
         Ok((model, state))
     }
 
@@ -262,21 +203,26 @@ impl Component for TruthModel {
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
-        self.take_commands(state, inputs, duration);
+        if state.touchdown.decided() {
+            // What is decided stays as it was seen.
+            return Ok(StepReport { event: false, terminate: true });
+        }
+        let start = state.now;
         let start_velocity_w = self.com_velocity_w(&state.motion);
+        self.take_commands(state, inputs);
         let mut report = StepReport::default();
-        for _ in 0..duration.0 {
+        while state.now.0 < start.0 + duration.0 && !report.terminate {
             let tick = self.tick(state)?;
             report.event |= tick.event;
             report.terminate = tick.terminate;
-            if tick.terminate {
-                // What is decided stays as it was seen; the rest of the step stands still.
-                break;
-            }
+        }
+        let elapsed = Ticks(state.now.0 - start.0);
+        if engine::in_dead_zone(&self.vehicle.engine, inputs[0]) {
+            state.dead_zone += elapsed;
         }
         let gained_w = self.com_velocity_w(&state.motion) - start_velocity_w;
         let specific_force_w =
-            gained_w / duration.seconds() + Vector3::z() * self.scenario.gravity_m_s2;
+            gained_w / elapsed.seconds() + Vector3::z() * self.scenario.gravity_m_s2;
         state.specific_force_b = state.motion.attitude_wb.inverse() * specific_force_w;
         Ok(report)
     }

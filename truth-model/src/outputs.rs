@@ -34,7 +34,8 @@ impl TruthModel {
         let tilt_deg = tilt_rad(&motion.attitude_wb).to_degrees();
         let ended = touchdown.decided() && first.is_some();
         let flight_time = first.map_or(state.now, |contact| contact.time);
-        let tip_time = touchdown.unsupported_since.filter(|_| touchdown.decided());
+        // Dry tanks: whatever the lag and the command still say, nothing is delivered.
+        let fed = if motion.propellant_kg > 0.0 { 1.0 } else { 0.0 };
 
         put("position_w", motion.position_w.as_slice());
         put("velocity_w", motion.velocity_w.as_slice());
@@ -46,9 +47,9 @@ impl TruthModel {
         put("altimeter_m", &[altimeter_m]);
         put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
         put("propellant_kg", &[motion.propellant_kg]);
-        put("thrust_n", &[motion.thrust_n]);
+        put("thrust_n", &[fed * motion.thrust_n]);
         put("gimbal_rad", motion.gimbal_rad.as_slice());
-        put("rcs_torque_b", state.drive.rcs_torque_b.as_slice());
+        put("rcs_torque_b", (state.drive.rcs_torque_b * fed).as_slice());
         put("com_b", mass.com_b.as_slice());
         put("tilt_deg", &[tilt_deg]);
         put("foot_stroke_m", &per_foot(&mut state.legs.iter().map(|leg| leg.stroke_m)));
@@ -64,10 +65,10 @@ impl TruthModel {
         put("contact_tilt_deg", &[or_nan(first.map(|c| c.tilt_rad.to_degrees()))]);
         put("contact_rate_deg_s", &[or_nan(first.map(|c| c.rate_rad_s.to_degrees()))]);
         put("rest_tilt_deg", &[or_nan(ended.then_some(tilt_deg))]);
-        put("peak_stroke_m", &[or_nan(first.map(|_| state.peak_stroke_m))]);
-        put("peak_leg_load_n", &[or_nan(first.map(|_| state.peak_load_n))]);
+        put("peak_stroke_m", &[or_nan(first.map(|_| touchdown.peak_stroke_m))]);
+        put("peak_leg_load_n", &[or_nan(first.map(|_| touchdown.peak_load_n))]);
         put("tip_energy_margin_j", &[or_nan(touchdown.margin_j)]);
-        put("tip_time_s", &[or_nan(tip_time.map(|time| time.seconds()))]);
+        put("tip_time_s", &[or_nan(touchdown.tip_time().map(|time| time.seconds()))]);
         put("slide_distance_m", &[or_nan(first.map(|_| touchdown.slide_m))]);
         let used_kg = self.scenario.initial.propellant_kg - motion.propellant_kg;
         put("propellant_used_kg", &[used_kg]);

@@ -41,10 +41,10 @@ fn goes_over(model: &TruthModel, heading_deg: f64, table_deg: f64) -> bool {
 }
 
 fn measured_tip_angle_deg(model: &TruthModel, heading_deg: f64, expected_deg: f64) -> f64 {
-    let (mut stands, mut falls) = (expected_deg - 0.32, expected_deg + 0.32);
-    assert!(!goes_over(model, heading_deg, stands), "fell 0.32° short of {expected_deg}°");
-    assert!(goes_over(model, heading_deg, falls), "stood 0.32° beyond {expected_deg}°");
-    while falls - stands > 0.02 {
+    let (mut stands, mut falls) = (expected_deg - 0.31, expected_deg + 0.37);
+    assert!(!goes_over(model, heading_deg, stands), "fell 0.31° short of {expected_deg}°");
+    assert!(goes_over(model, heading_deg, falls), "stood 0.37° beyond {expected_deg}°");
+    while falls - stands > 0.004 {
         let middle = 0.5 * (stands + falls);
         if goes_over(model, heading_deg, middle) { falls = middle } else { stands = middle }
     }

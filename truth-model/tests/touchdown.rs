@@ -35,17 +35,18 @@ fn a_flat_drop_crushes_what_the_energy_balance_says() {
     let sprung_kg = 174.0 - 4.0 * gear.foot_mass_kg;
     let weight_n = sprung_kg * GRAVITY_M_S2;
     let stroke_m = weight_n * 1.0 / (4.0 * gear.crush_1_n - weight_n);
-    let error = state.peak_stroke_m / stroke_m - 1.0;
+    let error = state.touchdown.peak_stroke_m / stroke_m - 1.0;
     println!(
         "stroke {} m, energy balance {stroke_m} m, {:.2} %",
-        state.peak_stroke_m,
+        state.touchdown.peak_stroke_m,
         100.0 * error
     );
-    // Rapier brakes a foot from the start of the tick in which it would touch, so the crush load
-    // acts up to one tick too long: 2 a dt / v of the energy, 3.8 % here. README, "Limits".
-    let (braking_m_s2, speed_m_s) = (4.0 * gear.crush_1_n / sprung_kg, (2.0 * GRAVITY_M_S2).sqrt());
-    let bound = 2.0 * braking_m_s2 * 1e-3 / speed_m_s;
-    assert!(error.abs() < bound, "{} m, not {stroke_m} m", state.peak_stroke_m);
+    // Rapier looks up to two sub-steps h ahead when it stops a foot, so the crush load acts 2 h too
+    // long: 2 a (2 h)/v of the energy; the semi-implicit step takes v h/2 of the stroke. 2.5 % here.
+    let (braking_m_s2, speed_m_s, h) =
+        (4.0 * gear.crush_1_n / sprung_kg, (2.0 * GRAVITY_M_S2).sqrt(), 0.25e-3);
+    let bound = 2.0 * braking_m_s2 * 2.0 * h / speed_m_s + 0.5 * speed_m_s * h / stroke_m;
+    assert!(error.abs() < bound, "{} m, not {stroke_m} m", state.touchdown.peak_stroke_m);
     assert_eq!(state.touchdown.outcome, Outcome::Landed);
 }
 
@@ -130,15 +131,97 @@ fn a_fall_from_the_sky_is_a_crash() {
 }
 
 #[test]
-fn a_frictionless_incline_is_a_slide() {
+fn a_slide_that_comes_to_rest_beyond_the_limit_is_a_slide() {
+    // 2 m/s against μ g = 0.33 m/s² would stop after 6.2 m.
+    for (limit_m, outcome) in [(5.0, Outcome::Slid), (7.0, Outcome::Landed)] {
+        let mut model = rigid_bug(0.0);
+        model.scenario.terrain.friction = 0.2;
+        model.scenario.touchdown.slide_limit_m = limit_m;
+        model.scenario.initial.velocity_w = Vector3::new(2.0, 0.0, 0.0);
+        let mut state = model.initial_state();
+        run_to_verdict(&model, &mut state, 20.0);
+        assert_eq!(state.touchdown.outcome, outcome, "slid {} m", state.touchdown.slide_m);
+        let expected_m = 2.0 * 2.0 / (2.0 * 0.2 * GRAVITY_M_S2);
+        // 0.5 %: the acceptance of slides; the first tick finds the pads not yet loaded.
+        assert!((state.touchdown.slide_m / expected_m - 1.0).abs() < 5e-3);
+    }
+}
+
+#[test]
+fn a_hard_second_impact_is_a_crash_and_bottomed_legs_are_a_strike() {
     let mut model = on_plane(bug(), 0.0);
-    model.scenario.terrain.friction = 0.0;
-    common::stand_on_slope(&mut model, 0.1, 0.0);
+    model.scenario.touchdown.crash_speed_m_s = 5.0;
+    model.scenario.initial.position_w.z = 0.05;
     let mut state = model.initial_state();
-    state.airborne = true;
-    model.scenario.stop_time = Ticks(5000);
+    while state.touchdown.first.is_none() {
+        model.tick(&mut state).unwrap();
+    }
+    // As after an engine-on bounce: up again, and down at 7 m/s.
+    state.contact = None;
+    state.feet_down.fill(false);
+    state.motion.position_w.z = 14.0;
     run_to_verdict(&model, &mut state, 20.0);
-    assert_eq!(state.touchdown.outcome, Outcome::Slid);
+    assert_eq!(state.touchdown.outcome, Outcome::Crashed);
+
+    // 6.5 m/s brings 3.7 kJ; the four struts take 3.5 kJ.
+    let mut model = on_plane(bug(), 0.0);
+    let state = drop_from(&mut model, 13.0);
+    assert_eq!(state.touchdown.outcome, Outcome::Struck, "{:?}", state.touchdown);
+}
+
+#[test]
+fn a_nozzle_that_touches_is_a_strike() {
+    let mut vehicle = bug();
+    vehicle.engine.nozzle_exit_height_m = 0.005;
+    let state = drop_from(&mut on_plane(vehicle, 0.0), 0.5);
+    assert_eq!(state.touchdown.outcome, Outcome::Struck);
+}
+
+#[test]
+fn a_slope_that_falls_towards_y_gives_the_turned_touchdown() {
+    let land = |azimuth_deg: f64| {
+        let mut model = rigid_bug(0.0);
+        // As much inertia about x as about y: the turned vehicle is the same vehicle.
+        model.vehicle.mass.dry.inertia_kg_m2.x = model.vehicle.mass.dry.inertia_kg_m2.y;
+        model.scenario.terrain.slope_rad = 0.1;
+        model.scenario.terrain.friction = 0.6;
+        model.scenario.terrain.downhill_rad = azimuth_deg.to_radians();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), azimuth_deg.to_radians());
+        model.scenario.initial.position_w.z = 0.5;
+        model.scenario.initial.velocity_w = turn * Vector3::new(0.4, 0.1, 0.0);
+        let mut state = model.initial_state();
+        run_to_verdict(&model, &mut state, 20.0);
+        (turn.inverse() * state.motion.position_w, state.touchdown)
+    };
+    let ((along_x, x), (along_y, y)) = (land(0.0), land(90.0));
+    assert_eq!((x.outcome, y.outcome), (Outcome::Landed, Outcome::Landed));
+    // The iterative solver takes the feet in file order, so the two differ by its residual.
+    assert!((along_x - along_y).norm() < 1e-3, "{along_x} {along_y}");
+    assert!((x.margin_j.unwrap() - y.margin_j.unwrap()).abs() < 0.1);
+}
+
+#[test]
+fn a_start_below_ground_is_refused() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/");
+    let text = std::fs::read_to_string(format!("{folder}scenarios/hop.toml")).unwrap();
+    let text = text.replace("../vehicles", &format!("{folder}vehicles"));
+    let text = text.replace("[200.0, 0.0, 0.0]", "[200.0, 0.0, -0.5]");
+    let file = std::env::temp_dir().join(format!("below-ground-{}.toml", std::process::id()));
+    std::fs::write(&file, text).unwrap();
+    let error = TruthModel::create(&Settings { scenario_file: file.clone() }).err().unwrap();
+    std::fs::remove_file(file).unwrap();
+    let error = error.to_string();
+    assert!(error.contains("`initial.position_w`") && error.contains("0.500 m"), "{error}");
+}
+
+#[test]
+fn steps_after_the_verdict_change_nothing() {
+    let (model, mut state) = scenario("tip-over");
+    model.step(&mut state, &[0.0; 6], Ticks(30_000)).unwrap();
+    let decided = outputs(&model, &state);
+    let report = model.step(&mut state, &[3000.0, 0.0, 0.0, 0.0, 0.0, 0.0], Ticks(500)).unwrap();
+    assert!(report.terminate && !report.event);
+    assert_eq!(outputs(&model, &state), decided);
 }
 
 #[test]
@@ -171,7 +254,7 @@ fn outputs(model: &TruthModel, state: &State) -> Vec<u64> {
 }
 
 #[test]
-fn a_clone_taken_mid_impact_continues_bit_for_bit() {
+fn a_copy_taken_mid_impact_continues_bit_for_bit() {
     let mut model = on_plane(bug(), 20.0);
     model.scenario.initial.position_w.z = 0.5;
     model.scenario.initial.velocity_w = Vector3::new(0.5, 0.2, 0.0);
@@ -180,10 +263,15 @@ fn a_clone_taken_mid_impact_continues_bit_for_bit() {
         model.tick(&mut state).unwrap();
     }
     run(&model, &mut state, 0.02);
-    let mut copy = state.clone();
+    let mut clone = state.clone();
+    let bytes = postcard::to_allocvec(&state).unwrap();
+    let mut restored: State = postcard::from_bytes(&bytes).unwrap();
     for tick in 0..2000 {
-        model.tick(&mut state).unwrap();
-        model.tick(&mut copy).unwrap();
-        assert_eq!(outputs(&model, &state), outputs(&model, &copy), "tick {tick}");
+        for copy in [&mut state, &mut clone, &mut restored] {
+            model.tick(copy).unwrap();
+        }
+        let expected = outputs(&model, &state);
+        assert_eq!(outputs(&model, &clone), expected, "clone, tick {tick}");
+        assert_eq!(outputs(&model, &restored), expected, "restored from bytes, tick {tick}");
     }
 }
