@@ -106,3 +106,63 @@ pub fn cut_off(vehicle: &Vehicle, task: &Task, nav: &Navigation, thrust_n: f64) 
         && nav.altimeter_m < 2.0 * task.cutoff_height_m + 1.0;
     slow || nav.altimeter_m <= task.cutoff_height_m || nav.any_foot_down
 }
+
+#[cfg(test)]
+mod tests {
+    use lander_models::signals::{ALTIMETER_M, ATTITUDE_WB, GUIDANCE, MASS_KG, VELOCITY_W};
+    use lander_models::{Scenario, Vehicle};
+
+    use super::*;
+
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/scenarios/landing.toml");
+
+    fn descending(vehicle: &Vehicle, height_m: f64, speed_m_s: f64) -> Navigation {
+        let mut inputs = vec![0.0; GUIDANCE.input_len()];
+        let at = |name| GUIDANCE.input_offset(name).unwrap();
+        inputs[at(ATTITUDE_WB.name)] = 1.0;
+        inputs[at(MASS_KG.name)] = 250.0;
+        inputs[at(ALTIMETER_M.name)] = height_m;
+        inputs[at(VELOCITY_W.name) + 2] = -speed_m_s;
+        Navigation::read(vehicle, &inputs).unwrap()
+    }
+
+    #[test]
+    fn cut_off_comes_by_speed_by_height_and_by_probe() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let task = &scenario.guidance;
+        let cut = |nav: &Navigation| cut_off(&vehicle, task, nav, 1000.0);
+        assert!(!cut(&descending(&vehicle, 2.0, 3.0)), "still fast and high");
+        // 1000 N over a lag of 0.1 s give 0.4 m/s more: 0.7 m/s now is 0.3 m/s after the tail-off.
+        assert!(cut(&descending(&vehicle, 2.0, 0.69)), "slow enough");
+        assert!(!cut(&descending(&vehicle, 2.0, 0.71)), "not slow enough");
+        assert!(cut(&descending(&vehicle, 0.59, 3.0)), "at the cut-off height");
+        assert!(!cut(&descending(&vehicle, 9.0, 0.1)), "slow but high: braking waits instead");
+        let mut probed = descending(&vehicle, 2.0, 3.0);
+        probed.any_foot_down = true;
+        assert!(cut(&probed), "a foot touches");
+    }
+
+    #[test]
+    fn braking_follows_the_constant_deceleration_and_never_asks_for_less_than_the_floor() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity) = (&scenario.guidance, scenario.gravity_m_s2);
+        let aim = Aim::Target(task.target_w);
+        // On the planned parabola at 8 m: a = 3 m/s² is exactly what is needed.
+        let height_m = 8.0 - task.cutoff_height_m;
+        let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * 3.0 * height_m).sqrt();
+        let mut braking = Braking { engine_on: true };
+        let nav = descending(&vehicle, 8.0, speed_m_s);
+        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        let vertical = asked.thrust_acceleration_w.unwrap().z;
+        assert!((vertical - gravity - 3.0).abs() < 1e-12, "{vertical} m/s²");
+        // Far too slow for the height: the floor would lift it, so the engine waits.
+        let nav = descending(&vehicle, 8.0, 1.0);
+        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        assert!(asked.thrust_acceleration_w.is_none() && !braking.engine_on);
+        // Far too fast: full thrust, no more.
+        let nav = descending(&vehicle, 2.0, 20.0);
+        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        let most_m_s2 = vehicle.engine.thrust_max_n / nav.mass.mass_kg;
+        assert!((asked.thrust_acceleration_w.unwrap().z - most_m_s2).abs() < 1e-9);
+    }
+}

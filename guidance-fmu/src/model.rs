@@ -89,7 +89,7 @@ impl Component for Guidance {
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
-        let nav = Navigation::read(&self.vehicle, inputs);
+        let nav = Navigation::read(&self.vehicle, inputs)?;
         let phase = state.mission.phase;
         let orders = self.orders(state, &nav);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {

@@ -1,8 +1,9 @@
 //! What guidance knows about the vehicle now: its inputs, in physical terms.
 
+use lander_models::ModelError;
 use lander_models::frames::{Attitude, attitude_from_wxyz};
 use lander_models::mass::MassProperties;
-use lander_models::signals::{FOOT_SLOTS, GUIDANCE};
+use lander_models::signals::{ATTITUDE_WB, FOOT_SLOTS, GUIDANCE};
 use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
 
@@ -21,12 +22,18 @@ pub struct Navigation {
 }
 
 impl Navigation {
-    /// From the flat input slice, in table order.
-    pub fn read(vehicle: &Vehicle, inputs: &[f64]) -> Self {
+    /// From the flat input slice, in table order. An attitude that is no rotation is refused.
+    pub fn read(vehicle: &Vehicle, inputs: &[f64]) -> Result<Self, ModelError> {
         let mut reader = Reader { inputs, at: 0 };
         let origin_w: Vector3<f64> = reader.take::<3>().into();
         let origin_velocity_w: Vector3<f64> = reader.take::<3>().into();
-        let attitude_wb = attitude_from_wxyz(reader.take());
+        let quaternion: [f64; 4] = reader.take();
+        let norm = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+        // Wider than any sensor's rounding, far from a quaternion that was never connected.
+        if (norm - 1.0).abs() > 1e-3 {
+            return Err(ModelError::NotAUnit { name: ATTITUDE_WB.name, norm });
+        }
+        let attitude_wb = attitude_from_wxyz(quaternion);
         let rate_b: Vector3<f64> = reader.take::<3>().into();
         // The specific force serves disturbance estimators; this one has none.
         reader.take::<3>();
@@ -37,7 +44,7 @@ impl Navigation {
 
         let propellant_kg = (mass_kg - vehicle.mass.dry.mass_kg).max(0.0);
         let mass = vehicle.mass.at(propellant_kg);
-        Self {
+        Ok(Self {
             position_w: origin_w + attitude_wb * mass.com_b,
             velocity_w: origin_velocity_w + attitude_wb * rate_b.cross(&mass.com_b),
             attitude_wb,
@@ -45,7 +52,7 @@ impl Navigation {
             mass,
             altimeter_m,
             any_foot_down: feet.iter().any(|down| *down > 0.5),
-        }
+        })
     }
 }
 

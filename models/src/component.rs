@@ -1,5 +1,6 @@
 //! The contract that each half of the co-simulation fulfils. FMI is built on it elsewhere.
 
+use std::fmt::Debug;
 use std::path::PathBuf;
 
 use serde::{Serialize, de::DeserializeOwned};
@@ -29,6 +30,8 @@ pub enum ModelError {
     Config(#[from] ConfigError),
     #[error("input {name} is {value}: inputs must be finite")]
     NonFiniteInput { name: String, value: f64 },
+    #[error("input {name} has norm {norm}: must be within 1e-3 of 1")]
+    NotAUnit { name: &'static str, norm: f64 },
     #[error("state became non-finite at t = {time_s} s: {what}")]
     Diverged { time_s: f64, what: &'static str },
 }
@@ -37,7 +40,10 @@ pub enum ModelError {
 ///
 /// `State: Clone` is FMI's get/set state, `Serialize` its serialisation; a state restored in
 /// another instance, thread or process continues bit for bit.
-pub trait Component: Sized {
+///
+/// The `Debug` form of `Self` tells one configuration from another (a stored state fits its own
+/// only): derive it, so that it shows every field.
+pub trait Component: Sized + Debug {
     const INTERFACE: &'static Interface;
     type State: Clone + Serialize + DeserializeOwned;
 
