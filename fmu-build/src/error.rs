@@ -10,6 +10,8 @@ pub enum Error {
     Read { file: PathBuf, source: std::io::Error },
     #[error("{}: cannot be written: {source}", file.display())]
     Write { file: PathBuf, source: std::io::Error },
+    #[error("standard output: cannot be written: {0}")]
+    Print(std::io::Error),
     #[error("{file}: cannot be archived: {source}")]
     Archive { file: String, source: zip::result::ZipError },
     #[error("a scenario that would be packed is not valid: {0}")]

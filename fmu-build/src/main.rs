@@ -1,5 +1,6 @@
 //! `fmu-build`: packs, describes and checks FMUs. Exit code 0 success, 1 failure, 2 usage.
 
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -64,14 +65,8 @@ fn run(command: Command) -> Result<bool, Error> {
             }
             Ok(true)
         }
-        Command::Describe { json: true } => {
-            println!("{:#}", describe::json(&MODELS));
-            Ok(true)
-        }
-        Command::Describe { json: false } => {
-            print!("{}", describe::table(&MODELS));
-            Ok(true)
-        }
+        Command::Describe { json: true } => print(&format!("{:#}\n", describe::json(&MODELS))),
+        Command::Describe { json: false } => print(&describe::table(&MODELS)),
         Command::Check { files } => {
             let mut good = true;
             for file in files {
@@ -86,5 +81,14 @@ fn run(command: Command) -> Result<bool, Error> {
             }
             Ok(good)
         }
+    }
+}
+
+/// To standard output. A reader that has seen enough, as in `describe | head`, is no failure.
+fn print(text: &str) -> Result<bool, Error> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Print(error)),
+        _ => Ok(true),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 use fmi_adapter::variables;
 use fmu_build::check::check;
@@ -144,4 +145,27 @@ fn check_finds_what_was_tampered_with() {
     assert_eq!(problems, ["binaries/x86_64-linux/lander_truth.so is not an ELF library"]);
     fs::write(file, "no archive").unwrap();
     assert!(check(file).is_err());
+}
+
+/// Runs `fmu-build describe` with its standard output at `target`.
+fn describe_into(target: impl Into<Stdio>) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    command.arg("describe").stdout(target).stderr(Stdio::piped());
+    command.spawn().unwrap().wait_with_output().unwrap()
+}
+
+#[test]
+fn describe_ends_quietly_when_nobody_reads_on() {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = describe_into(writer);
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
+}
+
+#[test]
+fn describe_fails_when_it_cannot_write() {
+    let output = describe_into(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.starts_with("error: standard output: cannot be written: "), "{message}");
 }

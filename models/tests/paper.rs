@@ -113,8 +113,8 @@ fn the_comparison_table_is_consistent_but_for_one_row() {
     let thrust_kn = row("comparison_thrust_high", "kN");
     let computed = |n: usize| 1e3 * thrust_kn[n] / (mass[n] * G0_M_S2);
     // Thrusts are printed to 0.1 kN: 2.5 % of Colibri's.
-    for n in 0..3 {
-        close(computed(n), ratio[n], 0.025 * ratio[n]);
+    for (n, printed) in ratio.into_iter().enumerate().take(3) {
+        close(computed(n), printed, 0.025 * printed);
     }
     // Morpheus: 20 kN and 1,050 kg give 1.94, not the printed 2.3, which needs 24 kN.
     close(computed(3), 1.94, 0.005);

@@ -1,7 +1,7 @@
 //! Why a call was refused or failed. The message reaches the importer's logger.
 
 use lander_models::ModelError;
-use lander_models::time::{NotWholeTicks, TICK_S};
+use lander_models::time::NotWholeTicks;
 
 use crate::snapshot::BlobError;
 
@@ -31,6 +31,8 @@ pub enum Error {
     NotSettable { name: String, reference: u32, causality: &'static str },
     #[error("{name} is a fixed parameter: it can't be set in state {state}")]
     Fixed { name: String, state: &'static str },
+    #[error("{name} is an output: it has no value in state {state}")]
+    NoValue { name: String, state: &'static str },
     #[error("{name} = {value}: inputs must be finite")]
     NotFinite { name: String, value: f64 },
     #[error("nValues is {given}, but {names} need {expected}")]
@@ -40,10 +42,10 @@ pub enum Error {
     StartTime(f64),
     #[error("stopTime is {0} s: it must be greater than 0")]
     StopTime(f64),
+    #[error("communicationStepSize is {0} s: it must be greater than 0")]
+    NoStep(f64),
     #[error("communicationStepSize: {0}")]
     StepSize(NotWholeTicks),
-    #[error("communicationStepSize is 0 s: it must be at least one tick of {TICK_S} s")]
-    EmptyStep,
     #[error("currentCommunicationPoint is {given} s, but the instance is at {now} s")]
     CommunicationPoint { given: f64, now: f64 },
     #[error("the step from {from} s to {to} s passes the stop time")]
@@ -51,8 +53,9 @@ pub enum Error {
 
     #[error("scenario_file \"{parameter}\" is relative, but the importer gave no resource path")]
     NoResources { parameter: String },
-    #[error("scenario_file {path}: {source}")]
-    Create { path: String, source: ModelError },
+    /// The model's message names the file.
+    #[error(transparent)]
+    Create(ModelError),
     #[error("the model failed: {0}")]
     Step(#[source] ModelError),
     #[error("internal error: {0}; only reset, set state and free can follow")]
@@ -64,4 +67,11 @@ pub enum Error {
     Blob(#[from] BlobError),
     #[error("size is {given}, the serialised state has {expected} bytes")]
     BlobSize { given: usize, expected: usize },
+}
+
+impl Error {
+    /// Whether nothing is wrong but the arguments' values: the importer may try others.
+    pub(crate) fn is_discard(&self) -> bool {
+        matches!(self, Self::StepSize(_))
+    }
 }

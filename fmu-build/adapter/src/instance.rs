@@ -1,30 +1,30 @@
 //! One instance of a component, free of any FMI version: values, steps, states, and every check.
 
 use std::collections::BTreeMap;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use lander_models::time::TICK_S;
+use lander_models::time::{NotWholeTicks, TICK_S};
 use lander_models::{Component, Settings, StepReport, Ticks};
 
 use crate::error::Error;
 use crate::lifecycle::{Call, Lifecycle};
 use crate::logger::Logger;
-use crate::snapshot::{Origin, Snapshot, fingerprint};
+use crate::snapshot::{Hash, NO_CONFIGURATION, Snapshot, fingerprint};
 use crate::variables::{DEFAULT_SCENARIO, SCENARIO_NAME, input_starts, token};
 use crate::{guard, variables};
 
 /// The constant part, shared by an instance and the states taken from it.
 pub(crate) struct Config<C> {
     component: C,
-    pub(crate) fingerprint: [u8; 32],
+    pub(crate) fingerprint: Hash,
 }
 
 pub struct Instance<C: Component> {
     pub(crate) logger: Logger,
     resources: Option<PathBuf>,
-    token: [u8; 32],
+    pub(crate) token: Hash,
     /// Present from Initialization Mode on.
     pub(crate) config: Option<Arc<Config<C>>>,
     pub(crate) live: Snapshot<C::State>,
@@ -39,7 +39,25 @@ pub(crate) struct StoredState<C: Component> {
     pub(crate) snapshot: Snapshot<C::State>,
 }
 
+impl<C: Component> StoredState<C> {
+    pub(crate) fn fingerprint(&self) -> Hash {
+        self.config.as_ref().map_or(NO_CONFIGURATION, |config| config.fingerprint)
+    }
+}
+
+/// What came of a call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    Done,
+    /// Refused, and the importer may go on with other arguments.
+    Discard,
+    Error,
+}
+
 /// What a successful step tells the importer.
+///
+/// A run that ends within the step is over: `time_s` still is the communication point at the
+/// end of the step, and the outputs there are those with which the run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
     pub time_s: f64,
@@ -70,25 +88,34 @@ impl<C: Component> Instance<C> {
     }
 
     /// The frame of every call: is it allowed now, does it panic, and what to tell the logger.
-    ///
-    /// `true` is success.
     pub fn run(
         &mut self,
         function: &str,
         call: Call,
         body: impl FnOnce(&mut Self) -> Result<(), Error>,
-    ) -> bool {
+    ) -> Answer {
         let state = self.live.lifecycle;
+        // The message is made inside the guard: a model's `Display` may panic too.
+        let tell = |error: Error| (error.is_discard(), format!("{function}: {error}"));
         let result = if call.allowed_in(state) {
-            // The message is made inside the guard: a model's `Display` may panic too.
-            guard::catch(|| body(self).map_err(|error| error.to_string())).unwrap_or_else(|panic| {
+            guard::catch(|| body(self).map_err(tell)).unwrap_or_else(|panic| {
                 self.live.lifecycle = Lifecycle::Failed;
-                Err(Error::Panic(panic).to_string())
+                Err(tell(Error::Panic(panic)))
             })
         } else {
-            Err(Error::NotAllowed { state: state.name() }.to_string())
+            Err(tell(Error::NotAllowed { state: state.name() }))
         };
-        result.inspect_err(|message| self.logger.error(&format!("{function}: {message}"))).is_ok()
+        match result {
+            Ok(()) => Answer::Done,
+            Err((true, message)) => {
+                self.logger.discard(&message);
+                Answer::Discard
+            }
+            Err((false, message)) => {
+                self.logger.error(&message);
+                Answer::Error
+            }
+        }
     }
 
     /// Creates the component, so that outputs can be read. Inputs have no influence on it.
@@ -118,6 +145,7 @@ impl<C: Component> Instance<C> {
 
     /// Back to the state after instantiation; stored states stay.
     pub fn reset(&mut self) -> Result<(), Error> {
+        self.logger.reset();
         self.config = None;
         self.live = initial::<C>();
         Ok(())
@@ -126,13 +154,17 @@ impl<C: Component> Instance<C> {
     /// Advances from `from_s` by `duration_s`. Seconds end here: inside are whole ticks.
     pub fn step(&mut self, from_s: f64, duration_s: f64) -> Result<Stepped, Error> {
         let now = self.live.now;
-        let duration = Ticks::from_seconds(duration_s).map_err(Error::StepSize)?;
-        if duration == Ticks::ZERO {
-            return Err(Error::EmptyStep);
-        }
-        if Ticks::from_seconds(from_s) != Ok(now) {
+        // The nearest tick counts: importers that add up step sizes drift away from it.
+        if (from_s / TICK_S).round() != now.0 as f64 {
             return Err(Error::CommunicationPoint { given: from_s, now: now.seconds() });
         }
+        if duration_s.is_nan() || duration_s <= 0.0 {
+            return Err(Error::NoStep(duration_s));
+        }
+        let duration = Ticks::from_seconds(duration_s)
+            .ok()
+            .filter(|duration| *duration > Ticks::ZERO)
+            .ok_or(Error::StepSize(NotWholeTicks { seconds: duration_s }))?;
         let next = now + duration;
         if next > self.live.stop {
             return Err(Error::PassesStop { from: now.seconds(), to: next.seconds() });
@@ -163,21 +195,20 @@ impl<C: Component> Instance<C> {
 
     /// (Re)creates the component from the current parameters. On error nothing has changed.
     pub(crate) fn create(&mut self) -> Result<(), Error> {
-        let (config, state) = self.load()?;
-        self.config = Some(Arc::new(config));
+        let (config, state) = self.load(&self.live.scenario_file)?;
+        self.config = Some(config);
         self.live.state = Some(state);
         self.refresh_outputs();
-        self.logger.event(&format!("loaded {}", self.scenario_path()?.display()));
         Ok(())
     }
 
-    pub(crate) fn load(&self) -> Result<(Config<C>, C::State), Error> {
-        let scenario_file = self.scenario_path()?;
-        let fingerprint = self.fingerprint_now();
-        let path = scenario_file.display().to_string();
-        let (component, state) = C::create(&Settings { scenario_file })
-            .map_err(|source| Error::Create { path, source })?;
-        Ok((Config { component, fingerprint }, state))
+    /// The component under the parameter `scenario_file`, and its state at t = 0.
+    pub(crate) fn load(&self, scenario_file: &CStr) -> Result<(Arc<Config<C>>, C::State), Error> {
+        let settings = Settings { scenario_file: self.scenario_path(scenario_file)? };
+        let (component, state) = C::create(&settings).map_err(Error::Create)?;
+        self.logger.event(&format!("loaded {}", settings.scenario_file.display()));
+        let fingerprint = fingerprint(&component);
+        Ok((Arc::new(Config { component, fingerprint }), state))
     }
 
     pub(crate) fn refresh_outputs(&mut self) {
@@ -186,31 +217,15 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// What a serialised state of this instance must match. A loaded component keeps the
-    /// fingerprint of the file it was loaded from.
-    pub(crate) fn origin(&self, config: Option<&Arc<Config<C>>>) -> Origin {
-        let fingerprint = config.map_or_else(|| self.fingerprint_now(), |c| c.fingerprint);
-        Origin { token: self.token, fingerprint }
-    }
-
-    fn fingerprint_now(&self) -> [u8; 32] {
-        let content = self.scenario_path().ok().and_then(|path| std::fs::read(path).ok());
-        fingerprint(self.live.scenario_file.as_bytes(), &content.unwrap_or_default())
-    }
-
-    fn scenario_path(&self) -> Result<PathBuf, Error> {
-        let parameter = self.scenario_text()?;
-        let file = Path::new(if parameter.is_empty() { DEFAULT_SCENARIO } else { parameter });
+    fn scenario_path(&self, parameter: &CStr) -> Result<PathBuf, Error> {
+        let text = parameter.to_str();
+        let text = text.map_err(|_| Error::NotUtf8 { what: SCENARIO_NAME.to_owned() })?;
+        let file = Path::new(if text.is_empty() { DEFAULT_SCENARIO } else { text });
         match &self.resources {
             _ if file.is_absolute() => Ok(file.to_owned()),
             Some(resources) => Ok(resources.join(file)),
-            None => Err(Error::NoResources { parameter: parameter.to_owned() }),
+            None => Err(Error::NoResources { parameter: text.to_owned() }),
         }
-    }
-
-    fn scenario_text(&self) -> Result<&str, Error> {
-        let text = self.live.scenario_file.to_str();
-        text.map_err(|_| Error::NotUtf8 { what: SCENARIO_NAME.to_owned() })
     }
 }
 

@@ -61,7 +61,8 @@ impl Call {
             Self::SetDebugLogging => ANY,
             Self::EnterInitialization => INSTANTIATED,
             Self::ExitInitialization => INITIALIZATION,
-            Self::Get => INITIALIZATION | STEPPING | TERMINATED,
+            // Before Initialization Mode start values only: see `get_floats`.
+            Self::Get => HEALTHY,
             Self::Set => INSTANTIATED | INITIALIZATION | STEPPING,
             Self::Step => STEPPING,
             Self::Terminate => STEPPING,

@@ -1,4 +1,4 @@
-//! Messages to the importer. Errors are always sent; events only while debug logging asks.
+//! Messages to the importer. Failures are always sent; events only while debug logging asks.
 
 use crate::Error;
 
@@ -6,15 +6,17 @@ use crate::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
     Error,
+    Discard,
     Event,
 }
 
 impl Category {
-    pub const ALL: [Self; 2] = [Self::Error, Self::Event];
+    pub const ALL: [Self; 3] = [Self::Error, Self::Discard, Self::Event];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "logStatusError",
+            Self::Discard => "logStatusDiscard",
             Self::Event => "logEvents",
         }
     }
@@ -22,6 +24,7 @@ impl Category {
     pub fn description(self) -> &'static str {
         match self {
             Self::Error => "Why a call returned an error; always sent",
+            Self::Discard => "Why a step was discarded; always sent",
             Self::Event => "Scenario loaded, touchdown and other events, end of the run",
         }
     }
@@ -34,12 +37,13 @@ pub type Sink = Box<dyn Fn(Category, &str)>;
 pub struct Logger {
     sink: Option<Sink>,
     events: bool,
+    events_at_first: bool,
 }
 
 impl Logger {
     /// Without a sink (the importer passed no callback) messages are dropped.
     pub fn new(sink: Option<Sink>, debug_logging: bool) -> Self {
-        Self { sink, events: debug_logging }
+        Self { sink, events: debug_logging, events_at_first: debug_logging }
     }
 
     /// Switches debug logging: on for the listed categories only, or off for them. An empty
@@ -54,8 +58,17 @@ impl Logger {
         Ok(())
     }
 
+    /// Back to the debug logging that `new` was given.
+    pub fn reset(&mut self) {
+        self.events = self.events_at_first;
+    }
+
     pub fn error(&self, message: &str) {
         self.send(Category::Error, message);
+    }
+
+    pub fn discard(&self, message: &str) {
+        self.send(Category::Discard, message);
     }
 
     pub fn event(&self, message: &str) {

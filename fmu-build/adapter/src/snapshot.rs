@@ -3,12 +3,13 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0..32 | interface token |
-//! | 32..64 | scenario fingerprint |
+//! | 32..64 | fingerprint of the configuration; zeros if there is none yet |
 //! | 64..96 | SHA-256 of the payload |
 //! | 96..104 | payload length, u64 little-endian |
 //! | 104.. | payload: [`Snapshot`] in postcard |
 
 use std::ffi::CString;
+use std::fmt::Debug;
 
 use lander_models::Ticks;
 use serde::de::DeserializeOwned;
@@ -17,7 +18,10 @@ use sha2::{Digest, Sha256};
 
 use crate::lifecycle::Lifecycle;
 
-/// All that a restart needs besides the files that the scenario names.
+/// SHA-256.
+pub type Hash = [u8; 32];
+
+/// All that a restart needs besides the files that `scenario_file` leads to.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Snapshot<S> {
     pub lifecycle: Lifecycle,
@@ -37,52 +41,43 @@ pub enum BlobError {
     Length { given: usize, expected: usize },
     #[error("written by another model or another version of its interface")]
     Foreign,
-    #[error("written under another scenario: set scenario_file to that one first")]
-    Scenario,
+    #[error("written under another configuration than scenario_file \"{scenario_file}\" gives now")]
+    Configuration { scenario_file: String },
     #[error("corrupt: {0}")]
     Corrupt(String),
 }
 
 const HEADER: usize = 104;
 
-/// What a blob must match to be accepted.
-#[derive(Clone, Copy)]
-pub struct Origin {
-    pub token: [u8; 32],
-    pub fingerprint: [u8; 32],
-}
+/// In place of a fingerprint before Initialization Mode, when no file has been read.
+pub const NO_CONFIGURATION: Hash = [0; 32];
 
-/// Identifies a scenario: the parameter as set, and the content of the file it means.
-///
-/// Catches a scenario edited between save and restore. A file that can't be read counts as
-/// empty: `Component::create` is what reports that.
-pub fn fingerprint(parameter: &[u8], content: &[u8]) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    hash.update((parameter.len() as u64).to_le_bytes());
-    hash.update(parameter);
-    hash.update(content);
-    hash.finalize().into()
+/// Identifies a component's whole configuration, whichever files it was read from. `Debug`
+/// writes an f64 so that it reads back to the same bits.
+pub fn fingerprint(component: &impl Debug) -> Hash {
+    Sha256::digest(format!("{component:?}")).into()
 }
 
 impl<S: Serialize + DeserializeOwned> Snapshot<S> {
-    pub fn encode(&self, origin: &Origin) -> Result<Vec<u8>, BlobError> {
+    pub fn encode(&self, token: &Hash, fingerprint: &Hash) -> Result<Vec<u8>, BlobError> {
         let payload = postcard::to_allocvec(self).map_err(|e| BlobError::Corrupt(e.to_string()))?;
         let mut blob = Vec::with_capacity(HEADER + payload.len());
-        blob.extend(origin.token);
-        blob.extend(origin.fingerprint);
-        blob.extend(<[u8; 32]>::from(Sha256::digest(&payload)));
+        blob.extend(token);
+        blob.extend(fingerprint);
+        blob.extend(Hash::from(Sha256::digest(&payload)));
         blob.extend((payload.len() as u64).to_le_bytes());
         blob.extend(payload);
         Ok(blob)
     }
 
-    /// Refuses what `encode` did not write for the same `origin`.
-    pub fn decode(blob: &[u8], origin: &Origin) -> Result<Self, BlobError> {
+    /// The snapshot and the fingerprint that it was written with; refuses what `encode` did not
+    /// write for the same `token`.
+    pub fn decode(blob: &[u8], token: &Hash) -> Result<(Self, Hash), BlobError> {
         let given = blob.len();
         let Some((header, payload)) = blob.split_at_checked(HEADER) else {
             return Err(BlobError::Length { given, expected: HEADER });
         };
-        if header[..32] != origin.token {
+        if header[..32] != *token {
             return Err(BlobError::Foreign);
         }
         let length = header[96..].iter().rev().fold(0_u64, |n, byte| n << 8 | u64::from(*byte));
@@ -90,17 +85,16 @@ impl<S: Serialize + DeserializeOwned> Snapshot<S> {
             let expected = usize::try_from(length).map_or(usize::MAX, |n| n.saturating_add(HEADER));
             return Err(BlobError::Length { given, expected });
         }
-        if header[64..96] != <[u8; 32]>::from(Sha256::digest(payload)) {
+        if header[64..96] != Hash::from(Sha256::digest(payload)) {
             return Err(BlobError::Corrupt("the checksum does not match".to_owned()));
-        }
-        if header[32..64] != origin.fingerprint {
-            return Err(BlobError::Scenario);
         }
         let (snapshot, rest) = postcard::take_from_bytes::<Self>(payload)
             .map_err(|error| BlobError::Corrupt(error.to_string()))?;
         if !rest.is_empty() {
             return Err(BlobError::Corrupt(format!("{} bytes too many", rest.len())));
         }
-        Ok(snapshot)
+        let mut fingerprint = NO_CONFIGURATION;
+        fingerprint.copy_from_slice(&header[32..64]);
+        Ok((snapshot, fingerprint))
     }
 }

@@ -10,10 +10,17 @@ use crate::instance::{Instance, StoredState};
 use crate::lifecycle::Lifecycle;
 use crate::snapshot::{BlobError, Snapshot};
 
-/// Opaque, never 0, unique in the process so that another instance does not know it.
+/// Opaque, never 0, unique in the process so that no other instance of any FMU knows it.
 pub type StateHandle = usize;
 
-static NEXT: AtomicUsize = AtomicUsize::new(1);
+/// Each library has a counter of its own. Where it starts follows from the counter's address,
+/// spread over all bits (Fibonacci hashing), so that no two libraries count in the same range.
+fn new_handle() -> StateHandle {
+    static TAKEN: AtomicUsize = AtomicUsize::new(0);
+    let start = (&raw const TAKEN).addr().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 1;
+    // Relaxed: only uniqueness matters.
+    start + 1 + TAKEN.fetch_add(1, Ordering::Relaxed)
+}
 
 impl<C: Component> Instance<C> {
     /// Stores the current state, under `reuse` if that is a handle of this instance.
@@ -37,30 +44,35 @@ impl<C: Component> Instance<C> {
     /// Layout: see [`crate::snapshot`].
     pub fn serialize_state(&self, handle: StateHandle) -> Result<Vec<u8>, Error> {
         let stored = self.stored.get(&handle).ok_or(Error::UnknownState)?;
-        Ok(stored.snapshot.encode(&self.origin(stored.config.as_ref()))?)
+        Ok(stored.snapshot.encode(&self.token, &stored.fingerprint())?)
     }
 
     /// Stores the state in `blob`. The running state is untouched until `set_state`.
     ///
-    /// The files are not in the blob: this instance must name the same scenario, and reads it
-    /// if it has not done so yet.
+    /// The configuration is not in the blob, its fingerprint and the scenario's name are. This
+    /// instance's own configuration is used if it is the same; otherwise the scenario is read.
     pub fn deserialize_state(
         &mut self,
         blob: &[u8],
         reuse: Option<StateHandle>,
     ) -> Result<StateHandle, Error> {
-        let snapshot = Snapshot::decode(blob, &self.origin(self.config.as_ref()))?;
+        let (snapshot, fingerprint) = Snapshot::decode(blob, &self.token)?;
         let created = snapshot.lifecycle != Lifecycle::Instantiated;
         if snapshot.inputs.len() != C::INTERFACE.input_len() || snapshot.state.is_some() != created
         {
             return Err(BlobError::Corrupt("its parts do not fit together".to_owned()).into());
         }
-        let config = match (&snapshot.state, &self.config) {
-            (None, _) => None,
-            (Some(_), Some(config)) => Some(config.clone()),
-            (Some(_), None) => Some(self.load()?.0.into()),
+        let config = match &self.config {
+            _ if !created => None,
+            Some(own) if own.fingerprint == fingerprint => Some(own.clone()),
+            _ => Some(self.load(&snapshot.scenario_file)?.0),
         };
-        self.store(reuse, StoredState { config, snapshot })
+        let state = StoredState { config, snapshot };
+        if state.fingerprint() != fingerprint {
+            let scenario_file = state.snapshot.scenario_file.to_string_lossy().into_owned();
+            return Err(BlobError::Configuration { scenario_file }.into());
+        }
+        self.store(reuse, state)
     }
 
     fn store(
@@ -71,8 +83,7 @@ impl<C: Component> Instance<C> {
         let handle = match reuse {
             Some(known) if self.stored.contains_key(&known) => known,
             Some(_) => return Err(Error::UnknownState),
-            // Relaxed: only uniqueness matters.
-            None => NEXT.fetch_add(1, Ordering::Relaxed),
+            None => new_handle(),
         };
         self.stored.insert(handle, state);
         Ok(handle)

@@ -1,4 +1,5 @@
-//! Reading and writing variables: every check is made before the first value is written.
+//! Reading and writing variables: every check is made before the first value is written, those
+//! of references, type and count before the values are so much as looked at.
 
 use std::ffi::{CStr, CString};
 
@@ -10,9 +11,45 @@ use crate::lifecycle::Lifecycle;
 use crate::variables::Slot;
 
 impl<C: Component> Instance<C> {
-    pub fn get_floats(&self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
-        let slots = find::<C>(references, "Float64", values.len())?;
-        for (slot, value) in slots.into_iter().zip(values) {
+    /// The variables that a call accesses as type `asked`, with one value for each.
+    pub fn slots(
+        references: &[u32],
+        asked: &'static str,
+        value_count: usize,
+    ) -> Result<Vec<Slot>, Error> {
+        let find = |&reference: &u32| {
+            let slot =
+                Slot::find(C::INTERFACE, reference).ok_or(Error::UnknownReference(reference))?;
+            if slot.data_type() == asked {
+                Ok(slot)
+            } else {
+                let (name, actual) = (slot.name(C::INTERFACE), slot.data_type());
+                Err(Error::WrongType { name, reference, actual, asked })
+            }
+        };
+        let slots: Vec<Slot> = references.iter().map(find).collect::<Result<_, _>>()?;
+        if value_count != slots.len() {
+            let first = slots.first().map_or("no variable".to_owned(), |s| s.name(C::INTERFACE));
+            let names = match slots.len() {
+                0 | 1 => first,
+                n => format!("{first} and {} more", n - 1),
+            };
+            return Err(Error::Length { names, given: value_count, expected: slots.len() });
+        }
+        Ok(slots)
+    }
+
+    /// `slots` come from [`Self::slots`], as in all functions here. Before Initialization Mode
+    /// there are start values only.
+    pub fn get_floats(&self, slots: &[Slot], values: &mut [f64]) -> Result<(), Error> {
+        let state = self.live.lifecycle;
+        let is_output = |slot: &&Slot| matches!(slot, Slot::Output(_));
+        if state == Lifecycle::Instantiated
+            && let Some(output) = slots.iter().find(is_output)
+        {
+            return Err(Error::NoValue { name: output.name(C::INTERFACE), state: state.name() });
+        }
+        for (&slot, value) in slots.iter().zip(values) {
             *value = match slot {
                 Slot::Input(index) => self.live.inputs[index],
                 Slot::Output(index) => self.outputs[index],
@@ -22,13 +59,12 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    pub fn set_floats(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
-        let slots = find::<C>(references, "Float64", values.len())?;
+    pub fn set_floats(&mut self, slots: &[Slot], values: &[f64]) -> Result<(), Error> {
         let mut targets = Vec::with_capacity(slots.len());
-        for ((&reference, slot), &value) in references.iter().zip(slots).zip(values) {
+        for (&slot, &value) in slots.iter().zip(values) {
             let name = || slot.name(C::INTERFACE);
             let Slot::Input(index) = slot else {
-                let causality = slot.causality();
+                let (reference, causality) = (slot.reference(), slot.causality());
                 return Err(Error::NotSettable { name: name(), reference, causality });
             };
             if !value.is_finite() {
@@ -43,15 +79,13 @@ impl<C: Component> Instance<C> {
     }
 
     /// The strings live in the instance until it is changed or freed.
-    pub fn get_strings(&self, references: &[u32], count: usize) -> Result<Vec<&CStr>, Error> {
-        let slots = find::<C>(references, "String", count)?;
-        Ok(slots.iter().map(|_| self.live.scenario_file.as_c_str()).collect())
+    pub fn get_strings(&self, slots: &[Slot]) -> Vec<&CStr> {
+        slots.iter().map(|_| self.live.scenario_file.as_c_str()).collect()
     }
 
     /// The one string is the scenario. In Initialization Mode FMI still lets it be set: then
     /// the component is created anew.
-    pub fn set_strings(&mut self, references: &[u32], values: &[&CStr]) -> Result<(), Error> {
-        let slots = find::<C>(references, "String", values.len())?;
+    pub fn set_strings(&mut self, slots: &[Slot], values: &[&CStr]) -> Result<(), Error> {
         let (Some(slot), Some(value)) = (slots.last(), values.last()) else { return Ok(()) };
         let name = slot.name(C::INTERFACE);
         let state = self.live.lifecycle;
@@ -67,35 +101,4 @@ impl<C: Component> Instance<C> {
         }
         Ok(())
     }
-
-    /// The answer to a typed access for a type that no variable has.
-    pub fn refuse_type(&self, references: &[u32], asked: &'static str) -> Result<(), Error> {
-        find::<C>(references, asked, references.len()).map(|_| ())
-    }
-}
-
-fn find<C: Component>(
-    references: &[u32],
-    asked: &'static str,
-    value_count: usize,
-) -> Result<Vec<Slot>, Error> {
-    let find_one = |&reference: &u32| {
-        let slot = Slot::find(C::INTERFACE, reference).ok_or(Error::UnknownReference(reference))?;
-        if slot.data_type() == asked {
-            Ok(slot)
-        } else {
-            let (name, actual) = (slot.name(C::INTERFACE), slot.data_type());
-            Err(Error::WrongType { name, reference, actual, asked })
-        }
-    };
-    let slots: Vec<Slot> = references.iter().map(find_one).collect::<Result<_, _>>()?;
-    if value_count != references.len() {
-        let first = slots.first().map_or("no variable".to_owned(), |s| s.name(C::INTERFACE));
-        let names = match references.len() {
-            0 | 1 => first,
-            n => format!("{first} and {} more", n - 1),
-        };
-        return Err(Error::Length { names, given: value_count, expected: references.len() });
-    }
-    Ok(slots)
 }

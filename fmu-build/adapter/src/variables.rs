@@ -54,6 +54,15 @@ impl Slot {
         }
     }
 
+    pub fn reference(self) -> u32 {
+        match self {
+            Self::Time => TIME_REFERENCE,
+            Self::Scenario => SCENARIO_REFERENCE,
+            Self::Input(index) => FIRST_INPUT + index as u32,
+            Self::Output(index) => FIRST_OUTPUT + index as u32,
+        }
+    }
+
     pub fn causality(self) -> &'static str {
         match self {
             Self::Time => "independent",
@@ -183,6 +192,7 @@ mod tests {
         for interface in [&TRUTH, &GUIDANCE] {
             for variable in variables(interface) {
                 assert_eq!(Slot::find(interface, variable.reference), Some(variable.slot));
+                assert_eq!(variable.slot.reference(), variable.reference);
                 assert_eq!(variable.slot.name(interface), variable.name);
             }
             let beyond_inputs = FIRST_INPUT + interface.input_len() as u32;

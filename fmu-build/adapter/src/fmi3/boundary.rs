@@ -10,8 +10,10 @@ use lander_models::Component;
 
 use super::pointers::{array, array_mut, c_string, place, utf8};
 use super::{Handle, LogMessage, Status, Text, sink};
+use crate::instance::Answer;
 use crate::lifecycle::Call;
 use crate::logger::Logger;
+use crate::variables::Slot;
 use crate::{Error, Instance, guard};
 
 /// Runs `body` on the instance that `handle` points to.
@@ -23,8 +25,12 @@ unsafe fn call<C: Component>(
 ) -> Status {
     let instance = unsafe { handle.cast::<Instance<C>>().as_mut() };
     // A null handle has no logger to tell.
-    let done = instance.is_some_and(|instance| instance.run(function, kind, body));
-    if done { Status::Ok } else { Status::Error }
+    let answer = instance.map_or(Answer::Error, |instance| instance.run(function, kind, body));
+    match answer {
+        Answer::Done => Status::Ok,
+        Answer::Discard => Status::Discard,
+        Answer::Error => Status::Error,
+    }
 }
 
 pub unsafe fn instantiate<C: Component>(
@@ -127,9 +133,8 @@ pub unsafe fn get_float64<C: Component>(
 ) -> Status {
     unsafe {
         call::<C>(handle, "fmi3GetFloat64", Call::Get, |instance| {
-            let references = array("valueReferences", references, count)?;
-            let values = array_mut("values", values, value_count)?;
-            instance.get_floats(references, values)
+            let slots = slots::<C>(references, count, "Float64", value_count)?;
+            instance.get_floats(&slots, array_mut("values", values, value_count)?)
         })
     }
 }
@@ -143,9 +148,8 @@ pub unsafe fn set_float64<C: Component>(
 ) -> Status {
     unsafe {
         call::<C>(handle, "fmi3SetFloat64", Call::Set, |instance| {
-            let references = array("valueReferences", references, count)?;
-            let values = array("values", values, value_count)?;
-            instance.set_floats(references, values)
+            let slots = slots::<C>(references, count, "Float64", value_count)?;
+            instance.set_floats(&slots, array("values", values, value_count)?)
         })
     }
 }
@@ -159,11 +163,9 @@ pub unsafe fn get_string<C: Component>(
 ) -> Status {
     unsafe {
         call::<C>(handle, "fmi3GetString", Call::Get, |instance| {
-            let references = array("valueReferences", references, count)?;
+            let slots = slots::<C>(references, count, "String", value_count)?;
             let values = array_mut("values", values, value_count)?;
-            for (value, text) in
-                values.iter_mut().zip(instance.get_strings(references, value_count)?)
-            {
+            for (value, text) in values.iter_mut().zip(instance.get_strings(&slots)) {
                 *value = text.as_ptr();
             }
             Ok(())
@@ -180,10 +182,10 @@ pub unsafe fn set_string<C: Component>(
 ) -> Status {
     unsafe {
         call::<C>(handle, "fmi3SetString", Call::Set, |instance| {
-            let references = array("valueReferences", references, count)?;
+            let slots = slots::<C>(references, count, "String", value_count)?;
             let values = array("values", values, value_count)?;
             let texts = values.iter().map(|text| c_string("values[]", *text));
-            instance.set_strings(references, &texts.collect::<Result<Vec<_>, _>>()?)
+            instance.set_strings(&slots, &texts.collect::<Result<Vec<_>, _>>()?)
         })
     }
 }
@@ -197,11 +199,20 @@ pub unsafe fn refuse_type<C: Component>(
     count: usize,
 ) -> Status {
     unsafe {
-        call::<C>(handle, function, Call::Unsupported, |instance| {
-            let references = array("valueReferences", references, count)?;
-            instance.refuse_type(references, data_type)
+        call::<C>(handle, function, Call::Unsupported, |_| {
+            slots::<C>(references, count, data_type, count).map(|_| ())
         })
     }
+}
+
+unsafe fn slots<C: Component>(
+    references: *const u32,
+    count: usize,
+    data_type: &'static str,
+    value_count: usize,
+) -> Result<Vec<Slot>, Error> {
+    let references = unsafe { array("valueReferences", references, count) }?;
+    Instance::<C>::slots(references, data_type, value_count)
 }
 
 pub unsafe fn do_step<C: Component>(

@@ -44,9 +44,12 @@ fn sink(environment: Handle, log: LogMessage) -> Option<Sink> {
     Some(Box::new(move |category, message| {
         let status = match category {
             Category::Error => Status::Error,
+            Category::Discard => Status::Discard,
             Category::Event => Status::Ok,
         };
-        let text = |text: &str| CString::new(text.replace('\0', "?")).unwrap_or_default();
+        // FMI reads `#1000#` as a reference to a variable; a number sign is written `##`.
+        let escaped = |text: &str| text.replace('\0', "?").replace('#', "##");
+        let text = |text: &str| CString::new(escaped(text)).unwrap_or_default();
         let (category, message) = (text(category.name()), text(message));
         // SAFETY: callback and environment come from the importer as a pair; both strings live
         // through the call.

@@ -116,10 +116,21 @@ impl Importer {
     /// Asserts that `status` is an error with exactly one message, which contains `part`.
     #[track_caller]
     pub fn refused(&self, status: Status, part: &str) {
-        assert_eq!(status, Status::Error, "expected: {part}");
+        self.unsuccessful(status, (Status::Error, "logStatusError"), part);
+    }
+
+    /// As `refused`, for a discarded step.
+    #[track_caller]
+    pub fn discarded(&self, status: Status, part: &str) {
+        self.unsuccessful(status, (Status::Discard, "logStatusDiscard"), part);
+    }
+
+    #[track_caller]
+    fn unsuccessful(&self, status: Status, expected: (Status, &str), part: &str) {
+        assert_eq!(status, expected.0, "expected: {part}");
         let messages = self.take();
         let [(level, category, message)] = &messages[..] else { panic!("{messages:?}") };
-        assert_eq!((*level, category.as_str()), (Status::Error, "logStatusError"));
+        assert_eq!((*level, category.as_str()), expected);
         assert!(message.contains(part), "\"{message}\" lacks \"{part}\"");
     }
 

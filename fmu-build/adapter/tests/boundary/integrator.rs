@@ -1,7 +1,9 @@
 //! The smallest component that exercises everything: x' = rate, and ways to go wrong.
 
+use std::path::Path;
+
 use lander_models::signals::{Interface, Signal};
-use lander_models::{Component, ModelError, Settings, StepReport, Ticks};
+use lander_models::{Component, ConfigError, ModelError, Settings, StepReport, Ticks};
 use serde::{Deserialize, Serialize};
 
 const fn signal(name: &'static str, size: usize) -> Signal {
@@ -33,6 +35,7 @@ pub const END: f64 = 4.0;
 /// Scenario content that makes `create` panic.
 pub const PANIC_ON_CREATE: &str = "panic";
 
+#[derive(Debug)]
 pub struct Integrator {
     gain: f64,
 }
@@ -43,18 +46,26 @@ pub struct State {
     steps: u32,
 }
 
+fn read(file: &Path) -> Result<String, ConfigError> {
+    std::fs::read_to_string(file).map_err(|error| {
+        let (file, reason) = (file.to_owned(), error.to_string());
+        ConfigError::Unreadable { file, reason }
+    })
+}
+
 impl Component for Integrator {
     const INTERFACE: &'static Interface = &INTERFACE;
     type State = State;
 
-    /// The scenario file holds the gain, which is also the start of x.
+    /// The scenario file holds the gain, which is also the start of x, or names the file beside
+    /// it that does.
     fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
-        let file = settings.scenario_file.clone();
-        let unreadable = |reason: String| lander_models::ConfigError::Unreadable { file, reason };
-        let text = std::fs::read_to_string(&settings.scenario_file)
-            .map_err(|error| unreadable.clone()(error.to_string()))?;
+        let text = read(&settings.scenario_file)?;
         assert_ne!(text, PANIC_ON_CREATE, "create was told to panic");
-        let gain = text.parse().map_err(|_| unreadable("not a number".to_owned()))?;
+        let gain = match text.parse() {
+            Ok(gain) => gain,
+            Err(_) => read(&settings.scenario_file.with_file_name(text))?.parse().unwrap(),
+        };
         Ok((Self { gain }, State { x: [gain, -gain], steps: 0 }))
     }
 

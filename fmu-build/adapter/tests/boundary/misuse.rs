@@ -28,6 +28,16 @@ fn values() {
             crate::fmi3SetString(fmu, &X_1, 1, &c"x".as_ptr(), 1),
             "x[1] (value reference 2000) is of type Float64, not String",
         );
+        // The second value is not looked at, wherever it points to.
+        let wild = [c"x".as_ptr(), ptr::without_provenance(1)];
+        importer.refused(
+            crate::fmi3SetString(fmu, &1, 1, wild.as_ptr(), 2),
+            "nValues is 2, but scenario_file need 1",
+        );
+        importer.refused(
+            crate::fmi3SetFloat64(fmu, &RATE_1, 1, ptr::without_provenance(8), 2),
+            "nValues is 2, but rate[1] need 1",
+        );
         importer.refused(
             crate::fmi3GetInt32(fmu, &X_1, 1, &mut 0, 1),
             "fmi3GetInt32: x[1] (value reference 2000) is of type Float64, not Int32",
@@ -89,12 +99,18 @@ fn null_pointers() {
 fn steps() {
     let resources = Resources::new();
     let importer = Importer::stepping(&resources);
-    importer.refused(importer.step(0.0, 0.0105e-1).0, "communicationStepSize: 0.00105 s is not");
-    importer.refused(importer.step(0.0, f64::NAN).0, "communicationStepSize");
-    importer.refused(importer.step(0.0, -0.01).0, "communicationStepSize");
-    importer.refused(importer.step(0.0, 0.0).0, "at least one tick");
-    importer.refused(importer.step(0.01, 0.01).0, "currentCommunicationPoint is 0.01 s");
-    importer.refused(importer.step(1e-6, 0.01).0, "currentCommunicationPoint");
+    for size_s in [0.0105e-1, 1e-10, f64::INFINITY] {
+        let part = format!("fmi3DoStep: communicationStepSize: {size_s} s is not a whole");
+        importer.discarded(importer.step(0.0, size_s).0, &part);
+    }
+    for size_s in [f64::NAN, -0.01, 0.0] {
+        let part = format!("communicationStepSize is {size_s} s: it must be greater than 0");
+        importer.refused(importer.step(0.0, size_s).0, &part);
+    }
+    for from_s in [0.01, -0.01, 0.0006, f64::NAN, f64::INFINITY] {
+        let part = format!("currentCommunicationPoint is {from_s} s, but the instance is at 0 s");
+        importer.refused(importer.step(from_s, 0.01).0, &part);
+    }
     assert_eq!(importer.step(0.0, 0.01).4, 0.01);
 }
 
@@ -122,7 +138,7 @@ fn calls_out_of_order() {
     let importer = Importer::new(&resources);
     let fmu = importer.instance;
     importer.refused(importer.step(0.0, 0.01).0, "fmi3DoStep: not allowed in state Instantiated");
-    importer.refused(importer.try_get(&[X_1], &mut [0.0]), "not allowed in state Instantiated");
+    importer.refused(importer.try_get(&[X_1], &mut [0.0]), "x[1] is an output");
     unsafe {
         importer.refused(crate::fmi3ExitInitializationMode(fmu), "Instantiated");
         importer.refused(crate::fmi3Terminate(fmu), "Instantiated");
