@@ -1,8 +1,8 @@
 //! Command line of `lander`.
 
-use std::io::{BufReader, Read};
+use std::io::{BufReader, ErrorKind, Read, Write};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,6 +21,9 @@ const OK: u8 = 0;
 const GATE_NOT_PASSED: u8 = 1;
 /// 128 + SIGINT, as a shell reports it.
 const INTERRUPTED: u8 = 130;
+
+/// The kit's scenarios, in the folder of its workspace.
+const SCENARIOS: &str = "models/scenarios";
 
 const INTERFACES: Pair<&Interface> = Pair { truth: &TRUTH, guidance: &GUIDANCE };
 
@@ -44,7 +47,8 @@ enum Command {
         #[command(flatten)]
         report: Report,
     },
-    /// Record rows of little-endian f64 from standard input
+    /// Record rows of little-endian f64 from standard input; one at NaN s says that their
+    /// master failed
     Record {
         /// Scenario file, or the name of one in models/scenarios
         #[arg(long)]
@@ -74,66 +78,94 @@ impl Cli {
         match self.command {
             Command::Run { scenario, out, report } => {
                 let settings = Settings { scenario_file: scenario_path(scenario) };
-                let landing =
+                let mut landing =
                     Landing::new(&settings.scenario_file, &out, schedule.clone(), layout)?;
-                report.print(run(&schedule, &settings, landing)?)
+                let flown = run(&schedule, &settings, &mut landing);
+                report.conclude(landing, flown)
             }
             Command::Record { scenario, out, report } => {
                 let width = layout.width();
-                let landing = Landing::new(&scenario_path(scenario), &out, schedule, layout)?;
-                report.print(record(width, landing)?)
+                let mut landing = Landing::new(&scenario_path(scenario), &out, schedule, layout)?;
+                let flown = record(width, &mut landing);
+                report.conclude(landing, flown)
             }
         }
     }
 }
 
-/// A bare name means a scenario of the kit.
+/// A bare name that is no file means a scenario of the kit around the current folder.
 fn scenario_path(given: PathBuf) -> PathBuf {
     let bare = given.extension().is_none() && given.file_name() == Some(given.as_os_str());
-    if bare { Path::new("models/scenarios").join(given).with_extension("toml") } else { given }
+    if !bare || given.is_file() {
+        return given;
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    let kit = here.ancestors().map(|folder| folder.join(SCENARIOS)).find(|folder| folder.is_dir());
+    kit.unwrap_or_else(|| SCENARIOS.into()).join(given).with_extension("toml")
 }
 
-fn run(schedule: &Schedule, settings: &Settings, mut landing: Landing) -> Result<Landing, Error> {
+fn run(schedule: &Schedule, settings: &Settings, landing: &mut Landing) -> Result<(), Error> {
     let mut master = Master::new::<TruthModel, Guidance>(schedule, settings)?;
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
-    let outcome = master.run(landing.stop_time(), |row| {
+    master.run(landing.stop_time(), |row| {
         landing.row(row)?;
-        Ok::<_, Error>(match interrupted.load(Ordering::Relaxed) {
+        Ok(match interrupted.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         })
-    });
-    outcome.map(|()| landing)
+    })
 }
 
-fn record(width: usize, mut landing: Landing) -> Result<Landing, Error> {
+fn record(width: usize, landing: &mut Landing) -> Result<(), Error> {
     // The master that feeds the pipe decides when to stop; the log must still be closed.
     ctrlc::set_handler(|| {})?;
     let mut input = BufReader::new(std::io::stdin().lock());
-    let mut bytes = vec![0; 8 * width];
+    let expected = 8 * width;
+    let mut bytes = Vec::with_capacity(expected);
     loop {
-        match input.read_exact(&mut bytes) {
-            Ok(()) => {}
-            Err(end) if end.kind() == std::io::ErrorKind::UnexpectedEof => return Ok(landing),
-            Err(error) => return Err(Error::Input(error)),
+        bytes.clear();
+        input.by_ref().take(expected as u64).read_to_end(&mut bytes).map_err(Error::Input)?;
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        if bytes.len() < expected {
+            let row = landing.rows();
+            return Err(Error::PartialRow { row, bytes: bytes.len(), expected });
         }
         let (words, _) = bytes.as_chunks();
         let row: Vec<f64> = words.iter().map(|word| f64::from_le_bytes(*word)).collect();
+        if row[0].is_nan() {
+            return Err(Error::MasterFailed);
+        }
         landing.row(&row)?;
     }
 }
 
 impl Report {
-    fn print(&self, landing: Landing) -> Result<u8, Error> {
+    /// Ends a landing as its flight went.
+    fn conclude(&self, landing: Landing, flown: Result<(), Error>) -> Result<u8, Error> {
+        if let Err(error) = flown {
+            landing.abandon();
+            return Err(error);
+        }
         let finished = landing.finish()?;
-        print!("{}", if self.json { &finished.json } else { &finished.verdict });
+        print(if self.json { &finished.json } else { &finished.verdict })?;
         let gate_failed = self.gate && !gate_passed(&finished.results);
         Ok(match (finished.results.interrupted(), gate_failed) {
             (true, _) => INTERRUPTED,
             (false, true) => GATE_NOT_PASSED,
             (false, false) => OK,
         })
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough may close it.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Output(error)),
+        _ => Ok(()),
     }
 }

@@ -33,8 +33,16 @@ pub enum Error {
     Json(#[from] serde_json::Error),
     #[error("row {row}: {source}")]
     RowTime { row: u64, source: NotWholeTicks },
+    #[error("row {row} is at {time_s} s: {limit}")]
+    RowOrder { row: u64, time_s: f64, limit: String },
+    #[error("row {row} has {bytes} bytes, must have {expected}")]
+    PartialRow { row: u64, bytes: usize, expected: usize },
     #[error("standard input: {0}")]
     Input(std::io::Error),
+    #[error("standard output: {0}")]
+    Output(std::io::Error),
+    #[error("the master that fed the rows failed")]
+    MasterFailed,
     #[error("row {row}: {reason}")]
     Row { row: u64, reason: UnknownOutcome },
     #[error("the run ended before its first row")]
@@ -42,6 +50,9 @@ pub enum Error {
     #[error("Ctrl-C cannot be caught: {0}")]
     Interrupt(#[from] ctrlc::Error),
 }
+
+/// A file name holds 255 bytes; the rest is room for an extension.
+const NAME_MAX_BYTES: usize = 200;
 
 pub struct Landing {
     scenario: Scenario,
@@ -54,6 +65,8 @@ pub struct Landing {
     progress: Progress,
     digest: Sha256,
     rows: u64,
+    /// Of the last row.
+    time: Ticks,
     last_row: Vec<f64>,
 }
 
@@ -65,7 +78,8 @@ pub struct Finished {
 }
 
 impl Landing {
-    /// Reads the scenario; writes nothing before the first row.
+    /// Reads the scenario and removes older results of its name, which a run that fails or is
+    /// killed must not leave behind as its own. Writes nothing before the first row.
     pub fn new(
         scenario_file: &Path,
         out: &Path,
@@ -74,16 +88,21 @@ impl Landing {
     ) -> Result<Self, Error> {
         let (scenario, vehicle) = Scenario::load(scenario_file)?;
         let file = |extension: &str| out.join(format!("{}.{extension}", scenario.name));
-        if Path::new(&scenario.name).file_name() != Some(scenario.name.as_ref()) {
+        if !names_a_file(&scenario.name) {
             return Err(Error::Config(ConfigError::Key {
                 file: scenario_file.to_owned(),
                 key: "name".to_owned(),
-                reason: format!("is \"{}\", must be fit for a file name", scenario.name),
+                reason: format!(
+                    "is {:?}, must be fit for a file name of at most {NAME_MAX_BYTES} bytes",
+                    scenario.name
+                ),
             }));
         }
+        let results_file = file("json");
+        remove(&results_file)?;
         Ok(Self {
             log_file: file("mcap"),
-            results_file: file("json"),
+            results_file,
             progress: Progress::new(scenario.stop_time.seconds()),
             scenario,
             vehicle,
@@ -92,6 +111,7 @@ impl Landing {
             recorder: None,
             digest: Sha256::new(),
             rows: 0,
+            time: Ticks::ZERO,
             last_row: Vec::new(),
         })
     }
@@ -100,31 +120,58 @@ impl Landing {
         self.scenario.stop_time
     }
 
+    /// Number of rows taken so far.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
     /// Takes the next row, `Layout::width` long.
     pub fn row(&mut self, row: &[f64]) -> Result<(), Error> {
-        let time = Ticks::from_seconds(row[0])
-            .map_err(|source| Error::RowTime { row: self.rows, source })?;
+        let time = self.time_of(row)?;
         for value in row {
             self.digest.update(value.to_le_bytes());
         }
         let recorder = match &mut self.recorder {
             Some(recorder) => recorder,
             None => {
-                let recorder = start_files(
-                    &self.log_file,
-                    &self.results_file,
-                    &self.layout,
-                    Scene::new(&self.scenario, &self.vehicle),
-                )?;
-                self.recorder.insert(recorder)
+                let scene = Scene::new(&self.scenario, &self.vehicle);
+                self.recorder.insert(start_log(&self.log_file, &self.layout, scene)?)
             }
         };
         recorder.row(time, row);
         self.progress.row(&self.schedule, &self.layout, row);
         self.rows += 1;
+        self.time = time;
         self.last_row.clear();
         self.last_row.extend_from_slice(row);
         Ok(())
+    }
+
+    /// Time of the next row, if it may follow the last one.
+    fn time_of(&self, row: &[f64]) -> Result<Ticks, Error> {
+        let number = self.rows;
+        let time =
+            Ticks::from_seconds(row[0]).map_err(|source| Error::RowTime { row: number, source })?;
+        let wrong = |limit| Err(Error::RowOrder { row: number, time_s: time.seconds(), limit });
+        // The run ends at the first communication point that is not before the stop time.
+        let end = self.scenario.stop_time + self.schedule.communication_step;
+        match number {
+            0 if time != Ticks::ZERO => wrong("the first row must be at 0 s".to_owned()),
+            1.. if time <= self.time => {
+                wrong(format!("must be after the last, at {} s", self.time.seconds()))
+            }
+            _ if time >= end => wrong(format!("must be before {} s", end.seconds())),
+            _ => Ok(time),
+        }
+    }
+
+    /// Ends a failed run: the log is closed and reads to its end, but there are no results.
+    pub fn abandon(self) {
+        self.progress.finish();
+        if let Some(recorder) = self.recorder {
+            // What failed first is the error to tell.
+            let _ = recorder.close();
+        }
     }
 
     /// Closes the log and writes the results.
@@ -153,23 +200,27 @@ impl Landing {
     }
 }
 
-/// Starts the log; older results would not belong to it, so they go.
-fn start_files(
-    log_file: &Path,
-    results_file: &Path,
-    layout: &Layout,
-    scene: Scene,
-) -> Result<Recorder, Error> {
-    let at = |file: &Path| {
-        let file = file.to_owned();
-        move |source| Error::File { file, source }
-    };
-    if let Some(folder) = log_file.parent() {
-        fs::create_dir_all(folder).map_err(at(folder))?;
+fn names_a_file(name: &str) -> bool {
+    Path::new(name).file_name() == Some(name.as_ref())
+        && name.len() <= NAME_MAX_BYTES
+        && !name.contains(|c: char| c.is_control() || c == '\\')
+}
+
+fn start_log(file: &Path, layout: &Layout, scene: Scene) -> Result<Recorder, Error> {
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder)
+            .map_err(|source| Error::File { file: folder.to_owned(), source })?;
     }
-    match fs::remove_file(results_file) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(at(results_file)(error)),
-        _ => Ok(Recorder::create(log_file, layout, scene)?),
+    Ok(Recorder::create(file, layout, scene)?)
+}
+
+/// Removes a file, if there is one.
+fn remove(file: &Path) -> Result<(), Error> {
+    match fs::remove_file(file) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::File { file: file.to_owned(), source })
+        }
+        _ => Ok(()),
     }
 }
 

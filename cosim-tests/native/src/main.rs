@@ -2,9 +2,11 @@
 
 mod cli;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
+use cosim::landing::Error;
 
 /// Bad input, or a run that failed.
 const FAILED: u8 = 2;
@@ -12,8 +14,11 @@ const FAILED: u8 = 2;
 fn main() -> ExitCode {
     match cli::Cli::parse().execute() {
         Ok(code) => code.into(),
+        // Whoever feeds the rows says itself why it failed.
+        Err(Error::MasterFailed) => FAILED.into(),
         Err(error) => {
-            eprintln!("error: {error}");
+            // With stderr closed there is nobody to tell, and the exit code still says it.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
             FAILED.into()
         }
     }

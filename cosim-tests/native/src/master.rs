@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use lander_models::signals::{Interface, connections};
+use lander_models::signals::{Interface, Signal, connections};
 use lander_models::{Component, ModelError, Settings, StepReport, Ticks};
 
 use crate::schedule::{Action, Pair, Schedule, Side};
@@ -97,7 +97,7 @@ impl<'a> Master<'a> {
         self.time += self.schedule.communication_step;
         for action in &self.schedule.actions {
             match *action {
-                Action::Transfer { from, to } => self.transfer(from, to),
+                Action::Transfer { from, to } => self.transfer(from, to)?,
                 Action::Step { component } => {
                     let step = self.schedule.communication_step;
                     if self.participants[component].step(step)?.terminate {
@@ -114,15 +114,20 @@ impl<'a> Master<'a> {
         Ok(flow)
     }
 
-    fn transfer(&mut self, from: Side, to: Side) {
-        let wires =
-            connections(self.participants[from].interface(), self.participants[to].interface());
-        for (output, input, size) in wires {
+    /// Refuses what an FMU refuses: an input that is not finite.
+    fn transfer(&mut self, from: Side, to: Side) -> Result<(), ModelError> {
+        let sink = self.participants[to].interface();
+        for (output, input, size) in connections(self.participants[from].interface(), sink) {
             for offset in 0..size {
                 let value = self.participants[from].outputs()[output + offset];
+                if !value.is_finite() {
+                    let name = scalar_name(sink.inputs, input + offset);
+                    return Err(ModelError::NonFiniteInput { name, value });
+                }
                 self.participants[to].inputs()[input + offset] = value;
             }
         }
+        Ok(())
     }
 
     fn row(&mut self) -> &[f64] {
@@ -133,4 +138,11 @@ impl<'a> Master<'a> {
         }
         &self.row
     }
+}
+
+/// Name of the scalar at `position` of the flat list.
+fn scalar_name(signals: &[Signal], position: usize) -> String {
+    let mut names =
+        signals.iter().flat_map(|signal| (0..signal.size).map(|index| signal.scalar_name(index)));
+    names.nth(position).unwrap_or_default()
 }

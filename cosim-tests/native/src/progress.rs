@@ -1,6 +1,6 @@
 //! Progress on stderr: a bar on a terminal, now and then a line elsewhere.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -41,7 +41,8 @@ impl Progress {
         match &self.bar {
             None => {
                 self.next_s = time_s + LINE_PERIOD_S;
-                eprintln!("{state}");
+                // Nobody has to listen.
+                let _ = writeln!(std::io::stderr(), "{state}");
             }
             Some(bar) => {
                 self.next_s = time_s + BAR_PERIOD_S;

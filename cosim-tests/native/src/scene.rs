@@ -19,6 +19,9 @@ const TARGET: Color = [0.95, 0.35, 0.20, 1.0];
 /// Drawn radius of a footpad; its contact point is too small to see.
 const PAD_RADIUS_M: f64 = 0.12;
 const TARGET_RADIUS_M: f64 = 3.0;
+/// Squares of the ground's grid from its middle to its edge, at most: a start far away gets a
+/// coarser grid, not a bigger log.
+const GRID_CELLS_MAX: f64 = 200.0;
 /// Plume length at full thrust, for the eye only.
 const PLUME_LENGTH_M: f64 = 4.0;
 
@@ -144,7 +147,8 @@ fn lander(vehicle: &Vehicle, plume: &Plume) -> Entity {
 fn ground(scenario: &Scenario) -> Entity {
     let start = scenario.initial.position_w;
     let reach_m = (1.2 * start.x.abs().max(start.y.abs())).max(20.0);
-    let spacing_m = if reach_m > 100.0 { 50.0 } else { 5.0 };
+    let nominal_m: f64 = if reach_m > 100.0 { 50.0 } else { 5.0 };
+    let spacing_m = nominal_m.max(reach_m / GRID_CELLS_MAX);
     let cells = (reach_m / spacing_m).ceil();
     let edge_m = cells * spacing_m;
     let at = |x: f64, y: f64| on_plane(&scenario.terrain, x, y);

@@ -45,6 +45,8 @@ impl Verdict<'_> {
     fn lines(&self) -> Vec<(&'static str, String)> {
         let r = |name: &str| self.results.value(name);
         let gear = &self.vehicle.gear;
+        // Only a landing is known to have come to rest.
+        let end = if gate_passed(self.results) { "at rest" } else { "at the end" };
         let all = [
             (
                 "contact speed",
@@ -62,7 +64,7 @@ impl Verdict<'_> {
                 }),
             ),
             (
-                "at rest",
+                end,
                 measured([r("rest_tilt_deg"), r("slide_distance_m")], |[tilt, slid]| {
                     format!("tilt {tilt:.1} deg, slid {slid:.2} m")
                 }),

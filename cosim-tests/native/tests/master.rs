@@ -29,7 +29,9 @@ static GUIDANCE: Interface = Interface {
 };
 static INTERFACES: Pair<&Interface> = Pair { truth: &TRUTH, guidance: &GUIDANCE };
 
+#[derive(Debug)]
 struct Adder;
+#[derive(Debug)]
 struct Commander;
 
 impl Component for Adder {
@@ -150,6 +152,34 @@ fn a_break_ends_the_run_at_that_row_and_an_error_ends_it_at_once() {
     assert_eq!(seen, 2);
     let failed = master().run(Ticks(1000), |_| Err(Failure::Row));
     assert!(matches!(failed, Err(Failure::Row)));
+}
+
+#[test]
+fn a_value_that_is_not_finite_is_refused_as_an_fmu_refuses_it() {
+    #[derive(Debug)]
+    struct Broken;
+    impl Component for Broken {
+        const INTERFACE: &'static Interface = &TRUTH;
+        type State = ();
+
+        fn create(_: &Settings) -> Result<(Self, ()), ModelError> {
+            Ok((Self, ()))
+        }
+
+        fn step(&self, (): &mut (), _: &[f64], _: Ticks) -> Result<StepReport, ModelError> {
+            Ok(StepReport::default())
+        }
+
+        fn outputs(&self, (): &(), outputs: &mut [f64]) {
+            outputs[0] = f64::NAN;
+        }
+    }
+    let settings = Settings { scenario_file: "unused.toml".into() };
+    let schedule = schedule(&[TO_GUIDANCE, RECORD]);
+    let mut master = Master::new::<Broken, Commander>(&schedule, &settings).unwrap();
+    let result =
+        master.run(Ticks(1000), |_| Ok::<_, ModelError>(ControlFlow::Continue(()))).unwrap_err();
+    assert_eq!(result.to_string(), "input x is NaN: inputs must be finite");
 }
 
 #[test]

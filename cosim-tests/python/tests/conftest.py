@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -42,6 +43,20 @@ def fly(name: str, out: Path) -> Landed:
     done = run(fmpy_command(SCENARIOS / f"{name}.toml", out, "--json"))
     assert done.returncode == 0, done.stderr
     return Landed(json.loads(done.stdout), out / f"{name}.mcap", out / f"{name}.json")
+
+
+@pytest.fixture
+def kit(tmp_path) -> Path:
+    """A copy of the scenarios and vehicles that a test may spoil."""
+    for folder in ("scenarios", "vehicles"):
+        shutil.copytree(ROOT / "models" / folder, tmp_path / "kit" / folder)
+    return tmp_path / "kit"
+
+
+def replace(file: Path, old: str, new: str):
+    text = file.read_text(encoding="utf-8")
+    assert old in text, f"{file.name} no longer contains {old}"
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -1,10 +1,14 @@
 """A wrong scenario is refused in one line that names file, key and reason, and leaves no file."""
 
+import os
 import shutil
+import signal
+import zipfile
 
 import pytest
 
-from conftest import LANDER, ROOT, SCENARIOS, fmpy_command, run
+from conftest import FMUS, LANDER, SCENARIOS, fmpy_command, replace, run
+from mcap.reader import make_reader
 
 CASES = {
     "unknown key": ("landing.toml", "[site]", "[site]\nwind = 3", "site.wind", "is not known"),
@@ -25,14 +29,6 @@ CASES = {
 }
 
 
-@pytest.fixture
-def kit(tmp_path):
-    """A copy of the scenarios and vehicles that a test may spoil."""
-    for folder in ("scenarios", "vehicles"):
-        shutil.copytree(ROOT / "models" / folder, tmp_path / folder)
-    return tmp_path
-
-
 def assert_refused(done, out, *named):
     assert done.returncode == 2, done.stderr
     assert done.stdout == ""
@@ -51,9 +47,7 @@ def commands(scenario, out):
 def test_a_wrong_file_is_refused(case, kit):
     file, old, new, key, reason = CASES[case]
     path = next(kit.rglob(file))
-    text = path.read_text()
-    assert old in text, f"{file} no longer contains {old}"
-    path.write_text(text.replace(old, new, 1))
+    replace(path, old, new)
     named = "moth.toml" if case == "no vehicle" else file
     for command in commands(kit / "scenarios" / "landing.toml", kit / "out"):
         assert_refused(run(command), kit / "out", named, key, reason)
@@ -68,3 +62,52 @@ def test_a_missing_fmu_is_named(tmp_path):
     command = fmpy_command(SCENARIOS / "landing.toml", tmp_path / "out")
     command[command.index("--fmus") + 1] = tmp_path
     assert_refused(run(command), tmp_path / "out", "lander-truth.fmu")
+
+
+def truncated(fmu):
+    os.truncate(fmu, 1000)
+
+
+def without_library(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        kept = {n: archive.read(n) for n in archive.namelist() if not n.endswith(".so")}
+    with zipfile.ZipFile(fmu, "w") as archive:
+        for name, content in kept.items():
+            archive.writestr(name, content)
+
+
+@pytest.mark.parametrize("spoil", [truncated, without_library])
+def test_a_broken_fmu_is_named(spoil, tmp_path):
+    fmus = shutil.copytree(FMUS, tmp_path / "fmus")
+    spoil(fmus / "scvx-guidance.fmu")
+    command = fmpy_command(SCENARIOS / "landing.toml", tmp_path / "out", "--gate")
+    command[command.index("--fmus") + 1] = fmus
+    assert_refused(run(command), tmp_path / "out", "scvx-guidance.fmu")
+
+
+def test_a_run_that_fails_in_flight_leaves_a_log_and_no_verdict(kit):
+    """At 1e306 m/s a double overflows, at 1.797e308 m, in the eighth tenth of a second."""
+    scenario = kit / "scenarios" / "no-ignition.toml"
+    replace(scenario, "[300.0, 100.0, 500.0]", "[1.79e308, 0.0, 500.0]")
+    replace(scenario, "[-15.0, -5.0, -25.0]", "[1e306, 0.0, 0.0]")
+    out = kit / "out"
+    out.mkdir()
+    for command in commands(scenario, out):
+        (out / "no-ignition.json").write_text('{"outcome": "landed"}', encoding="utf-8")
+        done = run([*command, "--json", "--gate"])
+        assert done.returncode == 2, done.stderr
+        assert done.stdout == ""
+        assert sum(line.startswith("error: ") for line in done.stderr.splitlines()) == 1
+        assert [file.name for file in out.iterdir()] == ["no-ignition.mcap"]
+        with (out / "no-ignition.mcap").open("rb") as log:
+            assert make_reader(log, validate_crcs=True).get_summary().statistics.message_count
+        (out / "no-ignition.mcap").unlink()
+
+
+def test_a_recorder_that_is_killed_is_a_failed_run(tmp_path):
+    recorder = tmp_path / "recorder"
+    recorder.write_text(f"#!/bin/sh\nkill -{signal.SIGKILL:d} $$\n", encoding="utf-8")
+    recorder.chmod(0o755)
+    command = fmpy_command(SCENARIOS / "tip-over.toml", tmp_path / "out", "--gate")
+    command[command.index("--lander") + 1] = recorder
+    assert_refused(run(command), tmp_path / "out", "signal 9")

@@ -52,20 +52,25 @@ def test_a_state_saved_in_flight_continues_bit_for_bit(components):
     assert rows(master, 1000, 1300) == flown
 
 
-def test_a_stored_state_continues_in_a_new_instance(components):
+@pytest.mark.parametrize(
+    # The tip-over touches at 0.469 s: struts move and pads hold while the state is saved.
+    ("scenario", "saved", "end"), [("landing", 500, 600), ("tip-over", 50, 150)]
+)
+def test_a_stored_state_continues_in_a_new_instance(scenario, saved, end, components):
+    file = SCENARIOS / f"{scenario}.toml"
     for component in components.values():
-        component.initialize(SCENARIOS / "landing.toml")
+        component.initialize(file)
     master = Master(PLAN, components)
-    rows(master, 0, 500)
+    rows(master, 0, saved)
     stored = {
         name: c.fmu.serializeFMUState(c.fmu.getFMUState()) for name, c in components.items()
     }
-    flown = rows(master, 500, 600)
+    flown = rows(master, saved, end)
     with ExitStack() as stack:
         others = {}
         for name, model in PLAN.components.items():
             other = stack.enter_context(Component(FMUS / f"{model}.fmu", name))
-            other.initialize(SCENARIOS / "landing.toml")
+            other.initialize(file)
             other.fmu.setFMUState(other.fmu.deserializeFMUState(stored[name]))
             others[name] = other
-        assert rows(Master(PLAN, others), 500, 600) == flown
+        assert rows(Master(PLAN, others), saved, end) == flown

@@ -14,14 +14,14 @@ from conftest import LANDER, ROOT, SCENARIOS, fmpy_command
 HOP = SCENARIOS / "hop.toml"
 
 
-def interrupt(command, log) -> tuple[int, float, str]:
-    """Starts a run, interrupts it in flight; exit code, time it took to end, its output."""
+def interrupt(command, sign) -> tuple[int, float, str]:
+    """Interrupts a run once the file `sign` is there; exit code, time it took to end, stdout."""
     environment = os.environ | {"PYTHONPATH": str(ROOT / "cosim-tests" / "python")}
     process = subprocess.Popen(
         command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
     deadline = time.monotonic() + 60.0
-    while not log.exists() and process.poll() is None and time.monotonic() < deadline:
+    while not sign.exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.001)
     assert process.poll() is None, "the run was over before it could be interrupted"
     process.send_signal(signal.SIGINT)
@@ -40,8 +40,21 @@ def test_an_interrupted_run_ends_within_a_second_and_its_log_reads(master, tmp_p
     assert seconds < 1.0
     results = json.loads(stdout)
     assert results["outcome"] == "in_flight" and results["interrupted"] is True
-    assert json.loads((tmp_path / "hop.json").read_text()) == results
+    assert json.loads((tmp_path / "hop.json").read_text(encoding="utf-8")) == results
     assert_reads_to(tmp_path / "hop.mcap", results["end_time_s"])
+
+
+def test_ctrl_c_while_the_recorder_finishes_changes_nothing(tmp_path):
+    """A recorder that takes a second to write the results of a run that is over."""
+    finishing = tmp_path / "finishing"
+    recorder = tmp_path / "recorder"
+    script = f"#!/bin/sh\ncat > /dev/null\ntouch '{finishing}'\nsleep 1\nexit 1\n"
+    recorder.write_text(script, encoding="utf-8")
+    recorder.chmod(0o755)
+    command = fmpy_command(SCENARIOS / "tip-over.toml", tmp_path, "--gate")
+    command[command.index("--lander") + 1] = recorder
+    code, _, _ = interrupt(command, finishing)
+    assert code == 1, "the recorder's exit code counts"
 
 
 def assert_reads_to(log, end_time_s):

@@ -4,13 +4,17 @@ import json
 
 import pytest
 
-from conftest import LANDER, SCENARIOS, fly, run
+from conftest import LANDER, SCENARIOS, fly, fmpy_command, replace, run
+
+
+def results(command) -> dict:
+    done = run(command)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
 
 
 def native(name, out) -> dict:
-    done = run([LANDER, "run", SCENARIOS / f"{name}.toml", "--json", "--out", out])
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return results([LANDER, "run", SCENARIOS / f"{name}.toml", "--json", "--out", out])
 
 
 def test_fmpy_and_native_master_agree_on_every_bit_of_every_row(landing, tmp_path):
@@ -29,6 +33,16 @@ def test_the_same_landing_twice_leaves_the_same_files(landing, tmp_path):
 @pytest.mark.parametrize("name", ["tip-over", "hop"])
 def test_contact_and_lift_off_agree_too(name, tmp_path):
     assert native(name, tmp_path / "native")["digest"] == fly(name, tmp_path).results["digest"]
+
+
+def test_a_stop_time_within_a_communication_step_ends_both_with_that_step(kit, tmp_path):
+    scenario = kit / "scenarios" / "landing.toml"
+    replace(scenario, "value = 90.0", "value = 10.004")
+    by_native = results([LANDER, "run", scenario, "--json", "--out", tmp_path / "native"])
+    by_fmpy = results(fmpy_command(scenario, tmp_path / "fmpy", "--json"))
+    assert by_native["end_time_s"] == 10.01
+    assert by_native["outcome"] == "no_contact"
+    assert by_fmpy == by_native
 
 
 def test_another_scenario_has_another_digest(landing, tmp_path):

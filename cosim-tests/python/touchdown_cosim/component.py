@@ -8,8 +8,8 @@ import fmpy
 from fmpy.fmi3 import FMU3Slave, fmi3Error
 
 
-class ComponentError(Exception):
-    """An FMU refused a call; the message is the one that it logged."""
+class ComponentError(RuntimeError):
+    """An FMU cannot be used, or refused a call; then the message is the one that it logged."""
 
 
 class Component:
@@ -20,23 +20,29 @@ class Component:
         self._errors: list[str] = []
         self._folder = Path(tempfile.mkdtemp(prefix=f"{fmu_file.stem}-"))
         try:
-            self.description = fmpy.read_model_description(fmu_file)
-            fmpy.extract(fmu_file, self._folder)
-            self.fmu = FMU3Slave(
-                instanceName=name,
-                guid=self.description.guid,
-                modelIdentifier=self.description.coSimulation.modelIdentifier,
-                unzipDirectory=str(self._folder),
-            )
-            self._checked(self.fmu.instantiate, logMessage=self._log)
-        except BaseException:
+            self._load(fmu_file)
+        except BaseException as error:
             shutil.rmtree(self._folder, ignore_errors=True)
+            if isinstance(error, Exception):
+                # FMPy raises anything from OSError to a bare Exception.
+                raise ComponentError(f"{fmu_file}: {error}") from error
             raise
         variables = self.description.modelVariables
         real = [v for v in variables if v.type == "Float64"]
         self.inputs = {v.name: v.valueReference for v in real if v.causality == "input"}
         self.outputs = {v.name: v.valueReference for v in real if v.causality == "output"}
         self._references = {v.name: v.valueReference for v in variables}
+
+    def _load(self, fmu_file: Path):
+        self.description = fmpy.read_model_description(fmu_file)
+        fmpy.extract(fmu_file, self._folder)
+        self.fmu = FMU3Slave(
+            instanceName=self.name,
+            guid=self.description.guid,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            unzipDirectory=str(self._folder),
+        )
+        self._checked(self.fmu.instantiate, logMessage=self._log)
 
     def __enter__(self):
         return self
@@ -45,11 +51,11 @@ class Component:
         self.fmu.freeInstance()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def initialize(self, scenario_file: Path, stop_time_s: float | None = None):
+    def initialize(self, scenario_file: Path):
         """To the state at t = 0 of a scenario."""
         reference = self._references["scenario_file"]
         self._checked(self.fmu.setString, [reference], [str(scenario_file)])
-        self._checked(self.fmu.enterInitializationMode, stopTime=stop_time_s)
+        self._checked(self.fmu.enterInitializationMode)
         self._checked(self.fmu.exitInitializationMode)
 
     def get(self, references: list[int]) -> list[float]:
@@ -72,7 +78,5 @@ class Component:
         try:
             return call(*arguments, **options)
         except Exception as error:
-            # FMPy raises a bare Exception when an FMU cannot be instantiated.
             reason = self._errors[0] if self._errors else str(error)
             raise ComponentError(reason) from error
-

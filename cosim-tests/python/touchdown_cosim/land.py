@@ -4,12 +4,12 @@ Exit codes: 0 done, 1 gate not passed, 2 bad input or failed run, 130 interrupte
 """
 
 import argparse
+import math
 import signal
 import struct
 import subprocess
 import sys
-import tomllib
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 FAILED = 2
@@ -22,6 +22,17 @@ def main(arguments: list[str] | None = None) -> int:
         return land(options)
     except KeyboardInterrupt:
         return INTERRUPTED
+    except Exception as error:
+        # Without this Python would exit with 1, which means a gate that was not passed.
+        complain(error)
+        return FAILED
+
+
+def complain(error: Exception):
+    """One line on stderr, if anybody listens."""
+    reason = str(error) if isinstance(error, (RuntimeError, OSError)) else repr(error)
+    with suppress(OSError, AttributeError):
+        sys.stderr.write(f"error: {' '.join(reason.splitlines())}\n")
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -38,50 +49,56 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 def land(options: argparse.Namespace) -> int:
     # Here and not above, so that Ctrl-C during the imports ends quietly too.
     from . import schedule
-    from .component import Component, ComponentError
+    from .component import Component
     from .master import Master
 
     plan = schedule.load()
-    scenario = options.scenario.absolute()
-    try:
-        with ExitStack() as stack:
-            components = {}
-            for name, model in plan.components.items():
-                fmu = Component(options.fmus / f"{model}.fmu", name)
-                components[name] = stack.enter_context(fmu)
-                components[name].initialize(scenario)
-            # The FMUs have accepted the file by now.
-            stop_time_s = tomllib.loads(scenario.read_text())["run"]["stop_time"]["value"]
-            return record(Master(plan, components), stop_time_s, options)
-    except (ComponentError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return FAILED
+    with ExitStack() as stack:
+        components = {}
+        for name, model in plan.components.items():
+            fmu = Component(options.fmus / f"{model}.fmu", name)
+            components[name] = stack.enter_context(fmu)
+            components[name].initialize(options.scenario.absolute())
+        return record(Master(plan, components), options)
 
 
-def record(master, stop_time_s: float, options: argparse.Namespace) -> int:
+def record(master, options: argparse.Namespace) -> int:
     """Streams rows to `lander record`, which writes the files and says the verdict."""
     command = [options.lander, "record", "--scenario", options.scenario, "--out", options.out]
     command += [flag for flag, on in (("--json", options.json), ("--gate", options.gate)) if on]
+    # From here on Ctrl-C is a flag: an exception could cut a row in two, or miss the recorder.
+    interrupts = []
+    signal.signal(signal.SIGINT, lambda *_: interrupts.append(True))
     # Its own session: Ctrl-C reaches this process only, and the log is closed by closing the pipe.
     recorder = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
+
+    def send(row: list[float]):
+        recorder.stdin.write(struct.pack(f"<{len(row)}d", *row))
+
+    def on_row(row: list[float]):
+        send(row)
+        if interrupts:
+            raise KeyboardInterrupt
+
     try:
-        master.run(stop_time_s, lambda row: recorder.stdin.write(pack(row)))
+        master.run(on_row)
+    except KeyboardInterrupt:
+        pass  # The recorder sees a run that ends in flight.
     except BrokenPipeError:
         pass  # The recorder has said why.
-    except KeyboardInterrupt:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except Exception:
+        # A row at no time tells the recorder that this is no end to judge.
+        with suppress(BrokenPipeError):
+            send([math.nan] * master.width)
+        raise
     finally:
         close(recorder)
+    if recorder.returncode < 0:
+        raise RuntimeError(f"{options.lander} was ended by signal {-recorder.returncode}")
     return recorder.returncode
 
 
-def pack(row: list[float]) -> bytes:
-    return struct.pack(f"<{len(row)}d", *row)
-
-
 def close(recorder: subprocess.Popen):
-    try:
+    with suppress(BrokenPipeError):
         recorder.stdin.close()
-    except BrokenPipeError:
-        pass
     recorder.wait()

@@ -1,5 +1,6 @@
 """Executes the schedule on components: who is set, stepped and read, in which order."""
 
+import itertools
 from collections.abc import Callable, Mapping
 
 from .component import Component
@@ -13,6 +14,7 @@ class Master:
         self._schedule = schedule
         self._components = components
         self._columns = {name: list(components[name].outputs.values()) for name in schedule.rows}
+        self.width = 1 + sum(len(references) for references in self._columns.values())
         self._wires = {
             (a["from"], a["to"]): self._wire(components[a["from"]], components[a["to"]])
             for a in schedule.actions
@@ -25,10 +27,10 @@ class Master:
         shared = [name for name in source.outputs if name in sink.inputs]
         return [source.outputs[name] for name in shared], [sink.inputs[name] for name in shared]
 
-    def run(self, stop_time_s: float, on_row: Callable[[Row], None]):
-        """Until a component asks for the end or the stop time is reached."""
+    def run(self, on_row: Callable[[Row], None]):
+        """Until a component asks for the end, which truth does at the stop time."""
         on_row(self.row(0))
-        for index in range(round(stop_time_s / self._schedule.step_s)):
+        for index in itertools.count():
             if self.communication_step(index, on_row):
                 return
 

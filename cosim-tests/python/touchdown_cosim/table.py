@@ -1,6 +1,5 @@
 """A whole landing as one table in memory, for plots and tests."""
 
-import tomllib
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from .master import Master
 def fly(scenario: Path, fmus: Path) -> dict[str, np.ndarray]:
     """Flies a scenario with both FMUs; every column of every row, by name."""
     plan = schedule.load()
-    stop_time_s = tomllib.loads(scenario.read_text())["run"]["stop_time"]["value"]
     with ExitStack() as stack:
         components = {
             name: stack.enter_context(Component(fmus / f"{model}.fmu", name))
@@ -23,7 +21,7 @@ def fly(scenario: Path, fmus: Path) -> dict[str, np.ndarray]:
         for component in components.values():
             component.initialize(scenario.absolute())
         rows = []
-        Master(plan, components).run(stop_time_s, rows.append)
+        Master(plan, components).run(rows.append)
         names = ["time_s"] + [n for part in plan.rows for n in components[part].outputs]
     return dict(zip(names, np.array(rows).T, strict=True))
 

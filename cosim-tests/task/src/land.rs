@@ -1,5 +1,6 @@
 //! `cargo land`: build, then land with FMPy.
 
+use std::ffi::{OsStr, OsString};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
@@ -7,12 +8,12 @@ use crate::python;
 use crate::steps::{Failure, Steps, cannot_start, run};
 use crate::workspace::Workspace;
 
-pub fn land(arguments: &[String]) -> Result<u8, Failure> {
+pub fn land(arguments: &[OsString]) -> Result<u8, Failure> {
     // A failed build may have exited with 1, which here means a gate that was not passed.
     build_and_fly(arguments).map_err(|failure| Failure { code: crate::FAILED, ..failure })
 }
 
-fn build_and_fly(arguments: &[String]) -> Result<u8, Failure> {
+fn build_and_fly(arguments: &[OsString]) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
     let (scenario, options) = split(arguments)?;
     let mut steps = Steps::new(4);
@@ -23,7 +24,7 @@ fn build_and_fly(arguments: &[String]) -> Result<u8, Failure> {
         // In place of this process: Ctrl-C and the exit code are the master's own.
         let error = Command::new(python)
             .args(["-m", "touchdown_cosim"])
-            .arg(workspace.scenario(scenario.unwrap_or("landing")))
+            .arg(workspace.scenario(scenario.unwrap_or(OsStr::new("landing"))))
             .args(options)
             .arg("--fmus")
             .arg(workspace.fmus())
@@ -54,21 +55,22 @@ pub fn in_root(mut command: Command, workspace: &Workspace) -> Command {
 }
 
 /// The scenario, and the options for the master.
-fn split(arguments: &[String]) -> Result<(Option<&str>, Vec<&str>), Failure> {
+fn split(arguments: &[OsString]) -> Result<(Option<&OsStr>, Vec<&OsStr>), Failure> {
     let (mut scenario, mut options) = (None, Vec::new());
-    let mut words = arguments.iter().map(String::as_str);
+    let mut words = arguments.iter().map(OsString::as_os_str);
     while let Some(word) = words.next() {
-        match word {
+        let shown = word.to_string_lossy();
+        match &*shown {
             "--json" | "--gate" => options.push(word),
             "--out" => {
                 let folder = words.next().ok_or_else(|| Failure::new("--out needs a folder"))?;
                 options.extend([word, folder]);
             }
-            _ if word.starts_with('-') => {
-                return Err(Failure::new(format!("{word} is not known\n{}", crate::USAGE)));
+            _ if shown.starts_with('-') => {
+                return Err(Failure::new(format!("{shown} is not known\n{}", crate::USAGE)));
             }
             _ if scenario.is_none() => scenario = Some(word),
-            _ => return Err(Failure::new(format!("{word}: only one scenario at a time"))),
+            _ => return Err(Failure::new(format!("{shown}: only one scenario at a time"))),
         }
     }
     Ok((scenario, options))
@@ -76,18 +78,29 @@ fn split(arguments: &[String]) -> Result<(Option<&str>, Vec<&str>), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use std::os::unix::ffi::OsStringExt;
+
     use super::*;
 
-    fn words(line: &str) -> Vec<String> {
-        line.split_whitespace().map(str::to_owned).collect()
+    fn words(line: &str) -> Vec<OsString> {
+        line.split_whitespace().map(OsString::from).collect()
     }
 
     #[test]
     fn scenario_and_options_come_in_any_order() {
         let line = words("--json hop --out there --gate");
         let (scenario, options) = split(&line).unwrap();
-        assert_eq!(scenario, Some("hop"));
+        assert_eq!(scenario, Some(OsStr::new("hop")));
         assert_eq!(options, ["--json", "--out", "there", "--gate"]);
+    }
+
+    #[test]
+    fn a_file_name_need_not_be_unicode() {
+        let name = OsString::from_vec(b"h\xf6p.toml".to_vec());
+        let line = [name.clone(), "--out".into(), name.clone()];
+        let (scenario, options) = split(&line).unwrap();
+        assert_eq!(scenario, Some(name.as_os_str()));
+        assert_eq!(options, [OsStr::new("--out"), &name]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod steps;
 mod verify;
 mod workspace;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
@@ -24,10 +25,10 @@ SCENARIO  a scenario file, or the name of one in models/scenarios (default: land
 const FAILED: u8 = 2;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let result = match arguments.split_first() {
         Some((_, rest)) if rest.iter().any(|word| word == "--help" || word == "-h") => {
-            println!("{USAGE}");
+            steps::say(&mut std::io::stdout(), USAGE);
             Ok(0)
         }
         Some((task, rest)) if task == "land" => land::land(rest),
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
         Ok(code) => code.into(),
         Err(failure) => {
             if let Some(reason) = failure.reason {
-                eprintln!("error: {reason}");
+                steps::say(&mut std::io::stderr(), &format!("error: {reason}"));
             }
             failure.code.into()
         }

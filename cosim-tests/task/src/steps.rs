@@ -1,6 +1,6 @@
 //! Runs commands one after another and says how far it is.
 
-use std::io;
+use std::io::{self, Write};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -48,17 +48,22 @@ impl Steps {
         step: impl FnOnce() -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let number = self.finished.len() + 1;
-        eprintln!(
-            "[{number}/{}] {name} ({:.0} s so far, {} to go)",
-            self.total,
-            self.elapsed().as_secs_f64(),
-            self.total - number
+        let (total, so_far_s) = (self.total, self.elapsed().as_secs_f64());
+        let to_go = total - number;
+        say(
+            &mut io::stderr(),
+            &format!("[{number}/{total}] {name} ({so_far_s:.0} s so far, {to_go} to go)"),
         );
         let start = Instant::now();
         let result = step();
         self.finished.push((name.to_owned(), start.elapsed()));
         result
     }
+}
+
+/// Writes a line for whoever listens; nobody has to.
+pub fn say(stream: &mut impl Write, line: &str) {
+    let _ = writeln!(stream, "{line}");
 }
 
 /// Runs `command` with its output on stderr, so that stdout stays the landing's.

@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use crate::land::{build, build_fmus, in_root};
 use crate::python;
-use crate::steps::{Failure, Steps, run};
+use crate::steps::{Failure, Steps, run, say};
 use crate::workspace::Workspace;
 
 pub fn verify() -> Result<u8, Failure> {
@@ -48,12 +48,13 @@ fn test_command() -> &'static str {
 
 /// Where the time went, and which step failed.
 fn summarise(steps: &Steps, passed: bool) {
-    println!();
+    let line = |text: &str| say(&mut std::io::stdout(), text);
+    line("");
     let last = steps.finished.len().saturating_sub(1);
     for (index, (name, time)) in steps.finished.iter().enumerate() {
         let verdict = if passed || index < last { "ok" } else { "FAILED" };
-        println!("  {name:<20} {:>7.1} s   {verdict}", time.as_secs_f64());
+        line(&format!("  {name:<20} {:>7.1} s   {verdict}", time.as_secs_f64()));
     }
     let verdict = if passed { "all checks passed" } else { "checks failed" };
-    println!("  {:<20} {:>7.1} s   {verdict}", "total", steps.elapsed().as_secs_f64());
+    line(&format!("  {:<20} {:>7.1} s   {verdict}", "total", steps.elapsed().as_secs_f64()));
 }

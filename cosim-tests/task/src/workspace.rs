@@ -1,6 +1,7 @@
 //! Where things are.
 
 use std::env;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::steps::Failure;
@@ -35,13 +36,14 @@ impl Workspace {
         self.root.join("cosim-tests/python")
     }
 
-    /// A bare name means a scenario of the kit.
-    pub fn scenario(&self, given: &str) -> PathBuf {
-        let bare = Path::new(given).extension().is_none() && !given.contains(['/', '\\']);
-        if bare {
+    /// A bare name that is no file means a scenario of the kit.
+    pub fn scenario(&self, given: &OsStr) -> PathBuf {
+        let path = Path::new(given);
+        let bare = path.extension().is_none() && path.file_name() == Some(given);
+        if bare && !path.is_file() {
             self.root.join("models/scenarios").join(given).with_extension("toml")
         } else {
-            given.into()
+            path.to_owned()
         }
     }
 }
