@@ -48,7 +48,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("error: {error}");
+            say(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -61,7 +61,7 @@ fn run(command: Command) -> Result<bool, Error> {
             let epoch = std::env::var("SOURCE_DATE_EPOCH").ok();
             let stamp = Stamp::parse(epoch.as_deref())?;
             for file in build(&Sources { libraries: &libraries, root: &root, stamp }, &out)? {
-                eprintln!("wrote {}", file.display());
+                say(format_args!("wrote {}", file.display()));
             }
             Ok(true)
         }
@@ -72,16 +72,21 @@ fn run(command: Command) -> Result<bool, Error> {
             for file in files {
                 let problems = check(&file).unwrap_or_else(|error| vec![error.to_string()]);
                 for problem in &problems {
-                    eprintln!("{}: {problem}", file.display());
+                    say(format_args!("{}: {problem}", file.display()));
                 }
                 if problems.is_empty() {
-                    eprintln!("{}: no problems", file.display());
+                    say(format_args!("{}: no problems", file.display()));
                 }
                 good &= problems.is_empty();
             }
             Ok(good)
         }
     }
+}
+
+/// To standard error. Nobody left to read it is no failure.
+fn say(message: std::fmt::Arguments) {
+    let _ = writeln!(std::io::stderr(), "{message}");
 }
 
 /// To standard output. A reader that has seen enough, as in `describe | head`, is no failure.

@@ -1,5 +1,6 @@
 """One FMU through FMPy's low-level API, its values set and read as whole vectors."""
 
+import re
 import shutil
 import tempfile
 from pathlib import Path
@@ -79,4 +80,6 @@ class Component:
             return call(*arguments, **options)
         except Exception as error:
             reason = self._errors[0] if self._errors else str(error)
+            # The C function that refused is of no use to the reader of a scenario's error.
+            reason = re.sub(r"^fmi3\w+: ", "", reason)
             raise ComponentError(reason) from error
