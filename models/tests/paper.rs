@@ -50,8 +50,9 @@ fn wet_and_dry_rows_are_reproduced_and_the_mid_row_within_0_3_percent() {
             unit[axis] = 1.0;
             let axis_b = nalgebra::Vector3::from(from_paper_axes(unit));
             let expected = column(key, "kg.m2")[n];
-            // Wet and dry to the printed digit; mid: its height is rounded to 0.35 % of inertia.
-            let tolerance = if n == 1 { 0.0035 * expected } else { 0.05 };
+            // Wet and dry to the printed digit; mid to the 0.3 % that `mass.rs` states: its fill is
+            // known only through a height rounded to 5 mm, 7 % of the way from dry to wet.
+            let tolerance = if n == 1 { 0.003 * expected } else { 0.05 };
             close(axis_b.dot(&(now.inertia_b * axis_b)), expected, tolerance);
         }
     }
