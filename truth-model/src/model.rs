@@ -114,7 +114,7 @@ impl TruthModel {
             state.touchdown.end(limits);
         }
         if !state.motion.is_finite() {
-            return Err(self.diverged(state));
+            return Err(diverged(state, "motion"));
         }
         Ok(StepReport {
             event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
@@ -135,12 +135,7 @@ impl TruthModel {
         motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
         (motion.thrust_n, motion.gimbal_rad) =
             flight::actuators_after(&self.vehicle, motion, &state.drive, TICK_S);
-        touch.ok_or_else(|| self.diverged(state))
-    }
-
-    fn diverged(&self, state: &State) -> ModelError {
-        let what = if state.contact.is_some() { "motion in contact" } else { "motion in flight" };
-        ModelError::Diverged { time_s: state.now.seconds(), what }
+        touch.ok_or_else(|| diverged(state, "a body in contact"))
     }
 
     fn choose_engine(&self, state: &mut State) {
@@ -178,6 +173,10 @@ impl TruthModel {
                 .zip_map(&limit, |t, max| t.clamp(-max, max)),
         };
     }
+}
+
+fn diverged(state: &State, what: &'static str) -> ModelError {
+    ModelError::Diverged { time_s: state.now.seconds(), what }
 }
 
 impl Component for TruthModel {

@@ -170,6 +170,17 @@ fn a_hard_second_impact_is_a_crash_and_bottomed_legs_are_a_strike() {
 }
 
 #[test]
+fn a_body_that_turns_non_finite_in_contact_is_an_error() {
+    let model = on_plane(bug(), 20.0);
+    let mut state = model.initial_state();
+    run(&model, &mut state, 0.1);
+    assert!(state.contact.is_some());
+    state.drive.rcs_torque_b.x = f64::NAN;
+    let errors: Vec<_> = (0..5).filter_map(|_| model.tick(&mut state).err()).collect();
+    assert!(errors[0].to_string().contains("in contact"), "{}", errors[0]);
+}
+
+#[test]
 fn a_nozzle_that_touches_is_a_strike() {
     let mut vehicle = bug();
     vehicle.engine.nozzle_exit_height_m = 0.005;

@@ -18,7 +18,7 @@ mod verify;
 pub use error::PlanError;
 pub use plan::{Phase, Plan, Report, Sample};
 pub use planner::{plan, replan};
-pub use problem::{FinalTilt, PathLimits, Problem, Reserve, STANDARD_GRAVITY_M_S2, Settings};
+pub use problem::{FinalTilt, PathLimits, Problem, Reserve, Settings};
 pub use structure::Structure;
 pub use trajectory::Node;
 pub use verify::{LOSSLESS_GAP_MAX, MISS_MAX, THRUST_EXCURSION_MAX};

@@ -1,13 +1,11 @@
 //! The landing problem and the planner's settings.
 
+use lander_models::vehicle::G0_M_S2;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::error::PlanError;
 use super::structure::Structure;
-
-/// Standard gravity that relates specific impulse to exhaust speed, m/s² (exact, CGPM 1901).
-pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 
 /// A minimum-fuel powered descent (G.1-G.7) in a site-fixed frame with z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +70,7 @@ pub struct PathLimits {
 impl Problem {
     /// Mass flow per newton, 1/(I_sp g0), s/m.
     pub fn mass_flow_s_m(&self) -> f64 {
-        1.0 / (self.isp_s * STANDARD_GRAVITY_M_S2)
+        1.0 / (self.isp_s * G0_M_S2)
     }
 
     /// Gravity vector, m/s².
