@@ -80,7 +80,8 @@ impl TruthModel {
     pub fn site(&self) -> Site<'_> {
         let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
         let Self { scenario, vehicle, ground } = self;
-        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w }
+        let refinement = scenario.contact_refinement;
+        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w, refinement }
     }
 
     /// State at t = 0.
@@ -129,7 +130,7 @@ impl TruthModel {
             let sight = self.sight(state, &before, &touch);
             state.contact = Some(contact);
             state.touchdown.look(limits, &sight);
-            state.feet_down = touch.feet;
+            state.feet_down = touch.feet[..state.legs.len()].to_vec();
         } else {
             let Site { vehicle, gravity_w, .. } = site;
             state.motion = flight::advance(

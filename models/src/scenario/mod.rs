@@ -24,6 +24,8 @@ pub struct Scenario {
     pub gravity_m_s2: f64,
     pub terrain: Terrain,
     pub contact_engine: ContactEngine,
+    /// Steps within a tick for each of the contact engine's own.
+    pub contact_refinement: u32,
     pub initial: Initial,
     pub ignition: Ignition,
     pub guidance: Guidance,
@@ -60,11 +62,13 @@ impl Scenario {
         let run = root.section("run")?;
         let engine = root.optional_section("engine")?;
         let stop_s = run.number("stop_time", "s", Limit::Within(0.001, 1e6))?;
+        let (contact_engine, contact_refinement) = contact::read(&root)?;
         let scenario = Self {
             name: root.text("name")?,
             gravity_m_s2: site.number("gravity", "m/s2", Limit::Positive)?,
             terrain: terrain::read(&root)?,
-            contact_engine: contact::read(&root)?,
+            contact_engine,
+            contact_refinement,
             initial: initial::read(&root, vehicle)?,
             ignition: match engine.choice("ignition", &["nominal", "never"])? {
                 "never" => Ignition::Never,

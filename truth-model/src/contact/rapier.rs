@@ -33,8 +33,6 @@ use crate::propulsion::{Drive, Wrench};
 const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
 /// Sub-steps of one tick; one alone misses tip-over speeds by 3 %.
 const SOLVER_ITERATIONS: usize = 4;
-/// Friction of a captured pad: the lateral hold never gives way, the pad may still lift.
-const CAPTURED_FRICTION: f64 = 1e3;
 /// Radius of gyration of a foot body, m: the footpad with its lower strut.
 const FOOT_GYRATION_M: f64 = 0.1;
 /// The strut may extend this far beyond its free length before the joint stops it, m. The stop
@@ -95,7 +93,7 @@ impl ContactEngine for RapierWorld {
         let Site { vehicle, terrain, .. } = *site;
         let mut world = PhysicsWorld::default();
         tune(&mut world);
-        let pad_friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
+        let pad_friction = site.pad_friction();
         let ground = world.colliders.insert(
             ColliderBuilder::new(SharedShape::halfspace(to_glam(&terrain.normal_w())))
                 .friction(terrain.friction)
@@ -151,7 +149,9 @@ impl ContactEngine for RapierWorld {
         self.read_motion(motion);
         self.read_legs(&vehicle.gear, motion, legs);
         Some(Touch {
-            feet: self.feet.iter().map(|foot| self.touches(foot.pad)).collect(),
+            feet: std::array::from_fn(|n| {
+                self.feet.get(n).is_some_and(|foot| self.touches(foot.pad))
+            }),
             structure: self.structure.iter().any(|part| self.touches(*part)),
         })
     }
