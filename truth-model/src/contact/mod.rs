@@ -4,6 +4,7 @@ pub mod rapier;
 
 use lander_models::Vehicle;
 use lander_models::scenario::{ContactEngine as Choice, Terrain};
+use lander_models::signals::FOOT_SLOTS;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -22,12 +23,26 @@ pub struct Site<'a> {
     pub gravity_w: Vector3<f64>,
 }
 
+/// Something of hull and nozzle each: the parts that must not touch the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Structure<T> {
+    pub hull: T,
+    pub nozzle: T,
+}
+
+impl Structure<bool> {
+    pub fn any(&self) -> bool {
+        self.hull || self.nozzle
+    }
+}
+
 /// What one contact tick did to the ground.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
     /// Per leg: the pad carries load.
-    pub feet: Vec<bool>,
-    pub structure: bool,
+    pub feet: [bool; FOOT_SLOTS],
+    /// What else carries load.
+    pub structure: Structure<bool>,
 }
 
 /// Owns motion and legs while the vehicle is on or near the ground. Plain data.
