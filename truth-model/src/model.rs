@@ -139,6 +139,7 @@ impl TruthModel {
                 TICK_S,
                 flight::free,
             );
+            self.watch_flight(state);
         }
         state.now += Ticks(1);
         if state.now >= self.scenario.stop_time {

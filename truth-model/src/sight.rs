@@ -142,6 +142,15 @@ impl TruthModel {
         }
     }
 
+    /// What the verdict gets to see of a tick of free flight.
+    pub(crate) fn watch_flight(&self, state: &mut State) {
+        if state.touchdown.first.is_some() {
+            let mass = self.vehicle().mass.at(state.motion.propellant_kg);
+            let supported = self.tip_state(state, &mass).supported();
+            state.touchdown.look_in_flight(state.now, supported, &state.motion.attitude_wb);
+        }
+    }
+
     /// Pads that touch for the first time since the flight. Until then a strut is unloaded, at the
     /// length to which it is crushed, so its pad moves with the body.
     fn foot_impacts(

@@ -16,8 +16,8 @@ use crate::contact::Structure;
 use crate::stability::TipState;
 use rest::Still;
 
-/// A centre of mass outside the support for so long is not coming back: beyond an edge gravity
-/// only turns it outwards. The wait lets a bounce pass in which the feet were in the air.
+/// A centre of mass outside the support for so long near the ground is not coming back: beyond an
+/// edge gravity only turns it outwards. The wait lets a bounce pass in which no foot touches.
 const TIP_TIME: Ticks = Ticks(500);
 
 /// State just before the tick in which the ground was felt, after none was.
@@ -90,6 +90,8 @@ pub struct Touchdown {
     pub peak_acceleration_m_s2: f64,
     pub peak_angular_acceleration_rad_s2: f64,
     feet_down: usize,
+    /// For how long it has been outside, without a flight in between.
+    outside: Ticks,
     still: Option<Still>,
 }
 
@@ -140,12 +142,28 @@ impl Touchdown {
             self.peak_angular_acceleration_rad_s2.max(sight.angular_acceleration_rad_s2);
     }
 
+    /// Looks at a tick of free flight. After first contact that is a bounce: a centre of mass
+    /// outside the support may come back in the air, but a vehicle that goes head down has tipped.
+    pub fn look_in_flight(&mut self, now: Ticks, supported: bool, attitude_wb: &Attitude) {
+        if self.first.is_none() || self.decided() {
+            return;
+        }
+        self.outside = Ticks::ZERO;
+        self.unsupported_since = (!supported).then(|| self.unsupported_since.unwrap_or(now));
+        if !supported && is_head_down(attitude_wb) {
+            self.outcome = Outcome::Tipped;
+        }
+    }
+
     /// Whether the centre of mass has left the support for good.
     fn goes_over(&mut self, sight: &Sight) -> bool {
-        self.unsupported_since =
-            (!sight.tip.supported()).then(|| self.unsupported_since.unwrap_or(sight.now));
-        self.unsupported_since
-            .is_some_and(|since| sight.structure_down.any() || sight.now >= since + TIP_TIME)
+        if sight.tip.supported() {
+            (self.unsupported_since, self.outside) = (None, Ticks::ZERO);
+            return false;
+        }
+        self.unsupported_since.get_or_insert(sight.now);
+        self.outside += Ticks(1);
+        sight.structure_down.any() || self.outside > TIP_TIME || is_head_down(&sight.attitude_wb)
     }
 
     /// The run's time is up: the same questions, with what is known by now.
@@ -180,6 +198,10 @@ impl Touchdown {
     pub fn tip_time(&self) -> Option<Ticks> {
         self.unsupported_since.filter(|_| self.outcome == Outcome::Tipped)
     }
+}
+
+fn is_head_down(attitude_wb: &Attitude) -> bool {
+    (attitude_wb * Vector3::z()).z < 0.0
 }
 
 fn least(so_far: Option<f64>, value: f64) -> Option<f64> {

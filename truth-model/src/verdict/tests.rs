@@ -129,6 +129,33 @@ fn a_vehicle_that_never_flew_can_tip_over_but_not_land() {
     assert_eq!((touchdown.outcome, touchdown.tip_time()), (Outcome::Tipped, Some(Ticks(2000))));
 }
 
+#[test]
+fn in_the_air_only_a_vehicle_that_goes_head_down_has_tipped() {
+    let bounce = |degrees: f64| {
+        let attitude = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), degrees.to_radians());
+        let mut touchdown = seen([Sight { tip: OVER, speed_m_s: 1.0, ..standing() }]);
+        for n in 2..2000 {
+            touchdown.look_in_flight(Ticks(n), false, &attitude);
+        }
+        // Down again, still outside for a moment.
+        for n in 2000..2100 {
+            touchdown.look(&LIMITS, &Sight { now: Ticks(n), tip: OVER, ..standing() });
+        }
+        touchdown
+    };
+    let leaning = bounce(60.0);
+    assert_eq!((leaning.outcome, leaning.unsupported_since), (Outcome::InFlight, Some(Ticks(1))));
+    let mut somersault = bounce(100.0);
+    assert_eq!((somersault.outcome, somersault.tip_time()), (Outcome::Tipped, Some(Ticks(1))));
+    somersault.look_in_flight(Ticks(2100), true, &Attitude::identity());
+    assert_eq!(somersault.outcome, Outcome::Tipped);
+    // Flight before first contact is no bounce.
+    let mut flying = Touchdown::default();
+    let upside_down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 3.0);
+    flying.look_in_flight(Ticks(1), false, &upside_down);
+    assert!(!flying.decided());
+}
+
 /// Sights, one a tick, of a slide that starts from rest with this acceleration.
 fn slide(acceleration_m_s2: f64) -> impl Iterator<Item = Sight> {
     (1..=2000).map(move |n| {
