@@ -3,7 +3,7 @@
 use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
 use lander_models::scenario::Scenario;
-use lander_models::signals::{self, Interface};
+use lander_models::signals::{self, FOOT_SLOTS, Interface};
 use lander_models::time::{TICK_S, Ticks};
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Vector2, Vector3};
@@ -49,7 +49,7 @@ pub struct State {
     pub drive: Drive,
     pub legs: Vec<LegState>,
     pub contact: Option<Contact>,
-    pub feet_down: Vec<bool>,
+    pub feet_down: [bool; FOOT_SLOTS],
     /// Has been clear of the ground, so the next contact is a touchdown.
     pub airborne: bool,
     pub touchdown: Touchdown,
@@ -87,7 +87,6 @@ impl TruthModel {
     /// State at t = 0.
     pub fn initial_state(&self) -> State {
         let start = &self.scenario.initial;
-        let feet = self.vehicle.gear.legs.len();
         let motion = Motion {
             position_w: start.position_w,
             velocity_w: start.velocity_w,
@@ -102,9 +101,9 @@ impl TruthModel {
             motion,
             command: Command::default(),
             drive: Drive::default(),
-            legs: vec![LegState::default(); feet],
+            legs: vec![LegState::default(); self.vehicle.gear.legs.len()],
             contact: None,
-            feet_down: vec![false; feet],
+            feet_down: [false; FOOT_SLOTS],
             airborne: false,
             touchdown: Touchdown::default(),
             specific_force_b: Vector3::zeros(),
@@ -141,10 +140,11 @@ impl TruthModel {
                 TICK_S,
                 flight::free,
             );
+            self.watch_flight(state);
         }
         state.now += Ticks(1);
         if state.now >= self.scenario.stop_time {
-            state.touchdown.end(limits);
+            state.touchdown.end();
         }
         if !state.motion.is_finite() {
             return Err(diverged(state, "motion"));
@@ -156,6 +156,10 @@ impl TruthModel {
     }
 
     fn choose_engine(&self, state: &mut State) {
+        // A pad that touched in the last tick is neither clear of the ground nor new to it.
+        if state.contact.is_some() && state.feet_down.contains(&true) {
+            return;
+        }
         let lowest_m = self.lowest_m(state);
         state.airborne |= lowest_m > AIRBORNE_GAP_M;
         let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();

@@ -56,12 +56,26 @@ impl Footing {
     }
 }
 
+/// Something of hull and nozzle each: the parts that must not touch the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Structure<T> {
+    pub hull: T,
+    pub nozzle: T,
+}
+
+impl Structure<bool> {
+    pub fn any(&self) -> bool {
+        self.hull || self.nozzle
+    }
+}
+
 /// What one contact tick did to the ground.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
     /// Per leg: the pad carries load.
     pub feet: [bool; FOOT_SLOTS],
-    pub structure: bool,
+    /// What else carries load.
+    pub structure: Structure<bool>,
 }
 
 /// Owns motion and legs while the vehicle is on or near the ground. Plain data.

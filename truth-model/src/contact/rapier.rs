@@ -23,7 +23,7 @@ use rapier3d_f64::math::Pose;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactEngine, Site, Touch};
+use super::{ContactEngine, Site, Structure, Touch};
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after};
 use crate::propulsion::{Drive, Wrench};
@@ -148,12 +148,12 @@ impl ContactEngine for RapierWorld {
         }
         self.read_motion(motion);
         self.read_legs(&vehicle.gear, motion, legs);
-        Some(Touch {
-            feet: std::array::from_fn(|n| {
-                self.feet.get(n).is_some_and(|foot| self.touches(foot.pad))
-            }),
-            structure: self.structure.iter().any(|part| self.touches(*part)),
-        })
+        let [hull, nozzle] = self.structure.map(|part| self.touches(part));
+        let mut touch = Touch { structure: Structure { hull, nozzle }, ..Touch::default() };
+        for (down, foot) in touch.feet.iter_mut().zip(&self.feet) {
+            *down = self.touches(foot.pad);
+        }
+        Some(touch)
     }
 }
 

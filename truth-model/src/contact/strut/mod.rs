@@ -104,7 +104,7 @@ impl ContactEngine for StrutContact {
             }
             left_s -= step_s;
         }
-        touch.structure = bumpers.touch(motion).contains(&true);
+        touch.structure = bumpers.touch(motion);
         Some(touch)
     }
 }

@@ -3,7 +3,7 @@
 use lander_models::Vehicle;
 use nalgebra::{Unit, Vector3};
 
-use super::super::{Footing, Site};
+use super::super::{Footing, Site, Structure};
 use super::Forces;
 use crate::flight::Motion;
 
@@ -56,12 +56,12 @@ impl Bumpers {
     }
 
     /// Whether hull and nozzle touch.
-    pub fn touch(&self, motion: &Motion) -> [bool; 2] {
+    pub fn touch(&self, motion: &Motion) -> Structure<bool> {
         let [bottom, top, nozzle] = self
             .discs
             .each_ref()
             .map(|disc| disc.as_ref().is_some_and(|d| d.depth_m(motion).0 > 0.0));
-        [bottom || top, nozzle]
+        Structure { hull: bottom || top, nozzle }
     }
 
     pub fn press(&self, site: &Site, motion: &Motion, forces: &mut Forces) {
