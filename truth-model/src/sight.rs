@@ -7,6 +7,7 @@ use crate::contact::Touch;
 use crate::flight::Motion;
 use crate::model::{State, TruthModel};
 use crate::stability::{Tipping, tip_state};
+use crate::terrain::Cylinder;
 use crate::verdict::{Impact, Sight};
 
 /// A strut within this of its stop has no stroke left, m: the stop gives by as much under load.
@@ -30,26 +31,24 @@ impl TruthModel {
         let radius_m = self.vehicle().gear.pad_radius_m;
         self.feet_b(state).map(move |foot_b| {
             let centre_w = state.motion.point_position_w(&(foot_b + Vector3::z() * radius_m));
-            self.ground().nearest(&centre_w).clearance_m - radius_m
+            self.ground().ball_clearance_m(&centre_w, radius_m)
         })
     }
 
     /// Clearance of the lowest point of pads, hull and nozzle, m.
     pub fn lowest_m(&self, state: &State) -> f64 {
         let (hull, engine) = (&self.vehicle().hull, &self.vehicle().engine);
-        let rims = [
-            (hull.bottom_height_m, hull.radius_m),
-            (hull.top_height_m, hull.radius_m),
-            (engine.nozzle_exit_height_m, engine.nozzle_exit_radius_m),
+        let nozzle_top_m = engine.pivot_b.z.max(engine.nozzle_exit_height_m + 0.01);
+        let parts = [
+            (hull.bottom_height_m, hull.top_height_m, hull.radius_m),
+            (engine.nozzle_exit_height_m, nozzle_top_m, engine.nozzle_exit_radius_m),
         ]
-        .map(|(height_m, radius_m)| {
-            let centre_w = state.motion.point_position_w(&(Vector3::z() * height_m));
-            let under = self.ground().nearest(&centre_w);
-            // The lowest point of a disc across the body's axis.
-            let normal_b = state.motion.attitude_wb.inverse() * under.normal_w;
-            under.clearance_m - radius_m * normal_b.xy().norm()
+        .map(|(bottom_m, top_m, radius_m)| {
+            let at_w = |height_m: f64| state.motion.point_position_w(&(Vector3::z() * height_m));
+            let part = Cylinder { bottom_w: at_w(bottom_m), top_w: at_w(top_m), radius_m };
+            self.ground().cylinder_clearance_m(&part)
         });
-        self.foot_clearances_m(state).chain(rims).fold(f64::INFINITY, f64::min)
+        self.foot_clearances_m(state).chain(parts).fold(f64::INFINITY, f64::min)
     }
 
     /// Velocity of the centre of mass, world frame.
