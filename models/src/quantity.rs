@@ -79,6 +79,11 @@ impl Section {
         Self { file, path, table, provenance, used: RefCell::default() }
     }
 
+    /// The file that the section is from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
     pub fn error(&self, key: &str, reason: impl Into<String>) -> ConfigError {
         let key =
             if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };

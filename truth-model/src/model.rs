@@ -129,7 +129,7 @@ impl TruthModel {
             let sight = self.sight(state, &before, &touch);
             state.contact = Some(contact);
             state.touchdown.look(limits, &sight);
-            state.feet_down = touch.feet[..state.legs.len()].to_vec();
+            state.feet_down = touch.feet;
         } else {
             let Site { vehicle, gravity_w, .. } = site;
             state.motion = flight::advance(

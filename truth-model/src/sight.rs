@@ -9,6 +9,7 @@ use crate::contact::{Structure, Touch};
 use crate::flight::Motion;
 use crate::model::{State, TruthModel};
 use crate::stability::{TipState, Tipping, tip_state};
+use crate::terrain::Cylinder;
 use crate::verdict::{FootImpact, Impact, Sight};
 
 /// A strut within this of its stop has no stroke left, m: the stop gives by as much under load.
@@ -32,24 +33,26 @@ impl TruthModel {
         let radius_m = self.vehicle().gear.pad_radius_m;
         self.feet_b(state).map(move |foot_b| {
             let centre_w = state.motion.point_position_w(&(foot_b + Vector3::z() * radius_m));
-            self.ground().nearest(&centre_w).clearance_m - radius_m
+            self.ground().ball_clearance_m(&centre_w, radius_m)
         })
     }
 
     /// Clearance of hull and nozzle, m; negative below ground.
     pub fn structure_clearance_m(&self, motion: &Motion) -> Structure<f64> {
         let (hull, engine) = (&self.vehicle().hull, &self.vehicle().engine);
-        let rim = |height_m: f64, radius_m: f64| {
-            let centre_w = motion.point_position_w(&(Vector3::z() * height_m));
-            let under = self.ground().nearest(&centre_w);
-            // The lowest point of a disc across the body's axis.
-            let normal_b = motion.attitude_wb.inverse() * under.normal_w;
-            under.clearance_m - radius_m * normal_b.xy().norm()
+        let nozzle_top_m = engine.pivot_b.z.max(engine.nozzle_exit_height_m + 0.01);
+        let clearance_m = |bottom_m: f64, top_m: f64, radius_m: f64| {
+            let at_w = |height_m: f64| motion.point_position_w(&(Vector3::z() * height_m));
+            let part = Cylinder { bottom_w: at_w(bottom_m), top_w: at_w(top_m), radius_m };
+            self.ground().cylinder_clearance_m(&part)
         };
         Structure {
-            hull: rim(hull.bottom_height_m, hull.radius_m)
-                .min(rim(hull.top_height_m, hull.radius_m)),
-            nozzle: rim(engine.nozzle_exit_height_m, engine.nozzle_exit_radius_m),
+            hull: clearance_m(hull.bottom_height_m, hull.top_height_m, hull.radius_m),
+            nozzle: clearance_m(
+                engine.nozzle_exit_height_m,
+                nozzle_top_m,
+                engine.nozzle_exit_radius_m,
+            ),
         }
     }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub use contact::ContactEngine;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
-pub use terrain::Terrain;
+pub use terrain::{Craters, Heightmap, RockLaw, Rocks, Soil, Terrain};
 pub use touchdown::TouchdownLimits;
 
 use crate::quantity::{ConfigError, Limit, Section};
