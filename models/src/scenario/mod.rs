@@ -3,6 +3,7 @@
 mod contact;
 mod guidance;
 mod initial;
+mod slosh;
 mod terrain;
 mod touchdown;
 
@@ -25,6 +26,8 @@ pub struct Scenario {
     pub terrain: Terrain,
     pub contact_engine: ContactEngine,
     pub initial: Initial,
+    /// The vehicle's propellant sloshes.
+    pub slosh_active: bool,
     pub ignition: Ignition,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
@@ -66,6 +69,7 @@ impl Scenario {
             terrain: terrain::read(&root)?,
             contact_engine: contact::read(&root)?,
             initial: initial::read(&root, vehicle)?,
+            slosh_active: slosh::read(&root, vehicle)?,
             ignition: match engine.choice("ignition", &["nominal", "never"])? {
                 "never" => Ignition::Never,
                 _ => Ignition::Nominal,
