@@ -47,6 +47,7 @@ pub fn heading_change_rad(from_wb: &Attitude, to_wb: &Attitude) -> f64 {
 }
 
 /// `(r·r) I - r rᵀ`: times a mass, the parallel-axis (Steiner) term of an inertia tensor.
+#[inline]
 pub fn steiner(r: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() * r.norm_squared() - r * r.transpose()
 }

@@ -54,6 +54,7 @@ pub fn gimbal_after_rad(
 }
 
 /// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
+#[inline]
 pub fn thrust_direction_b(gimbal_rad: Vector2<f64>) -> Vector3<f64> {
     let ((sin_x, cos_x), (sin_y, cos_y)) = (gimbal_rad.x.sin_cos(), gimbal_rad.y.sin_cos());
     Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)

@@ -14,6 +14,7 @@ use crate::engine;
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Command, Drive};
+use crate::slosh::Pendulums;
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
 
@@ -95,6 +96,7 @@ impl TruthModel {
             propellant_kg: start.propellant_kg,
             thrust_n: 0.0,
             gimbal_rad: Vector2::zeros(),
+            slosh: self.initial_slosh(),
         };
         let mut state = State {
             now: Ticks::ZERO,
@@ -113,6 +115,11 @@ impl TruthModel {
         state.airborne =
             self.lowest_m(&state) > START_GAP_M || state.motion.velocity_w.norm() > START_SPEED_M_S;
         state
+    }
+
+    fn initial_slosh(&self) -> Pendulums {
+        let tanks = self.vehicle.slosh.as_ref().filter(|_| self.scenario.slosh_active);
+        tanks.map(Pendulums::hanging).unwrap_or_default()
     }
 
     /// Advances one tick of `TICK_S`.

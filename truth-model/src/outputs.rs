@@ -106,6 +106,7 @@ impl TruthModel {
         put("propellant_used_kg", &[used_kg]);
         put("flight_time_s", &[flight_time.seconds()]);
         put("dead_zone_time_s", &[state.dead_zone.seconds()]);
+        put("slosh_angle_deg", &[motion.slosh.angle_rad().to_degrees()]);
     }
 }
 

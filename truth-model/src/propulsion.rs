@@ -73,6 +73,7 @@ impl Drive {
     }
 
     /// Wrench at this instant. Dry tanks give nothing, whatever the lag still says.
+    #[inline]
     pub fn wrench(&self, vehicle: &Vehicle, motion: &Motion, com_b: &Vector3<f64>) -> Wrench {
         if motion.propellant_kg <= 0.0 {
             return Wrench::default();
@@ -82,13 +83,20 @@ impl Drive {
         Wrench { force_b, torque_b }
     }
 
+    /// Propellant flow through the main engine's nozzle, kg/s (T.7).
+    pub fn engine_flow_kg_s(&self, vehicle: &Vehicle, motion: &Motion) -> f64 {
+        if motion.propellant_kg <= 0.0 {
+            return 0.0;
+        }
+        engine::flow_kg_s(motion.thrust_n, vehicle.engine.isp_s)
+    }
+
     /// Propellant flow of engine and thrusters, kg/s (T.7).
     pub fn flow_kg_s(&self, vehicle: &Vehicle, motion: &Motion) -> f64 {
         if motion.propellant_kg <= 0.0 {
             return 0.0;
         }
         let rcs_thrust_n = self.rcs_torque_b.abs().sum() / vehicle.rcs.lever_arm_m;
-        engine::flow_kg_s(motion.thrust_n, vehicle.engine.isp_s)
-            + engine::flow_kg_s(rcs_thrust_n, vehicle.rcs.isp_s)
+        self.engine_flow_kg_s(vehicle, motion) + engine::flow_kg_s(rcs_thrust_n, vehicle.rcs.isp_s)
     }
 }

@@ -3,6 +3,7 @@
 mod contact;
 mod guidance;
 mod initial;
+mod slosh;
 mod terrain;
 mod touchdown;
 
@@ -27,6 +28,8 @@ pub struct Scenario {
     /// Steps within a tick for each of the contact engine's own.
     pub contact_refinement: u32,
     pub initial: Initial,
+    /// The vehicle's propellant sloshes.
+    pub slosh_active: bool,
     pub ignition: Ignition,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
@@ -70,6 +73,7 @@ impl Scenario {
             contact_engine,
             contact_refinement,
             initial: initial::read(&root, vehicle)?,
+            slosh_active: slosh::read(&root, vehicle)?,
             ignition: match engine.choice("ignition", &["nominal", "never"])? {
                 "never" => Ignition::Never,
                 _ => Ignition::Nominal,
