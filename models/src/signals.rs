@@ -204,6 +204,7 @@ pub const TRUTH: Interface = Interface {
         scalar("propellant_used_kg", "kg", "Propellant used"),
         scalar("flight_time_s", "s", "Time from start to first contact, or so far"),
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),
+        scalar("faults_active", "1", "Failure modes past their onset"),
     ],
 };
 

@@ -47,7 +47,7 @@ impl TruthModel {
         put("altimeter_m", &[altimeter_m]);
         put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
         put("propellant_kg", &[motion.propellant_kg]);
-        put("thrust_n", &[fed * motion.thrust_n]);
+        put("thrust_n", &[state.drive.thrust_n(motion)]);
         put("gimbal_rad", motion.gimbal_rad.as_slice());
         put("rcs_torque_b", (state.drive.rcs_torque_b * fed).as_slice());
         put("com_b", mass.com_b.as_slice());
@@ -74,6 +74,7 @@ impl TruthModel {
         put("propellant_used_kg", &[used_kg]);
         put("flight_time_s", &[flight_time.seconds()]);
         put("dead_zone_time_s", &[state.dead_zone.seconds()]);
+        put("faults_active", &[self.scenario().faults.active(state.now) as f64]);
     }
 }
 
