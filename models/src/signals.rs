@@ -265,6 +265,7 @@ pub const TRUTH: Interface = Interface {
         scalar("flight_time_s", "s", "Time from start to first contact, or so far"),
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),
         scalar("slosh_angle_deg", "deg", "Largest angle of a slosh pendulum from the body axis"),
+        scalar("faults_active", "1", "Failure modes past their onset"),
     ],
 };
 

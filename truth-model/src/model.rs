@@ -10,10 +10,11 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::{Contact, Site};
+use crate::disturbances::{self, Biases};
 use crate::engine;
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
-use crate::propulsion::{Command, Drive};
+use crate::propulsion::{Command, Drive, Plant, Propulsion};
 use crate::slosh::Pendulums;
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
@@ -36,6 +37,7 @@ const START_SPEED_M_S: f64 = 1e-3;
 pub struct TruthModel {
     scenario: Scenario,
     vehicle: Vehicle,
+    biases: Biases,
     /// The scenario's terrain, made ready for queries.
     ground: Ground,
 }
@@ -48,6 +50,7 @@ pub struct State {
     pub command: Command,
     /// What the command came to in the last tick.
     pub drive: Drive,
+    pub propulsion: Propulsion,
     pub legs: Vec<LegState>,
     pub contact: Option<Contact>,
     pub feet_down: [bool; FOOT_SLOTS],
@@ -61,8 +64,10 @@ pub struct State {
 
 impl TruthModel {
     pub fn new(scenario: Scenario, vehicle: Vehicle) -> Self {
+        let biases = Biases::draw(&scenario.disturbances, scenario.seed);
+        let (scenario, vehicle) = disturbances::disperse(scenario, vehicle);
         let ground = Ground::new(&scenario.terrain);
-        Self { scenario, vehicle, ground }
+        Self { scenario, vehicle, biases, ground }
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -80,7 +85,7 @@ impl TruthModel {
     /// What contact engines work on.
     pub fn site(&self) -> Site<'_> {
         let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
-        let Self { scenario, vehicle, ground } = self;
+        let Self { scenario, vehicle, ground, .. } = self;
         let refinement = scenario.contact_refinement;
         Site { vehicle, terrain: &scenario.terrain, ground, gravity_w, refinement }
     }
@@ -103,6 +108,7 @@ impl TruthModel {
             motion,
             command: Command::default(),
             drive: Drive::default(),
+            propulsion: Propulsion::default(),
             legs: vec![LegState::default(); self.vehicle.gear.legs.len()],
             contact: None,
             feet_down: [false; FOOT_SLOTS],
@@ -128,7 +134,9 @@ impl TruthModel {
         let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
         let site = self.site();
         self.choose_engine(state);
-        state.drive = Drive::of(&self.scenario, &self.vehicle, &state.command);
+        let Self { scenario, vehicle, biases, .. } = self;
+        let plant = Plant { scenario, vehicle, biases };
+        state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
         if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
             let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);

@@ -55,7 +55,7 @@ impl TruthModel {
         put("altimeter_m", &[altimeter_m]);
         put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
         put("propellant_kg", &[motion.propellant_kg]);
-        put("thrust_n", &[fed * motion.thrust_n]);
+        put("thrust_n", &[state.drive.thrust_n(motion)]);
         put("gimbal_rad", motion.gimbal_rad.as_slice());
         put("rcs_torque_b", (state.drive.rcs_torque_b * fed).as_slice());
         put("com_b", mass.com_b.as_slice());
@@ -107,6 +107,7 @@ impl TruthModel {
         put("flight_time_s", &[flight_time.seconds()]);
         put("dead_zone_time_s", &[state.dead_zone.seconds()]);
         put("slosh_angle_deg", &[motion.slosh.angle_rad().to_degrees()]);
+        put("faults_active", &[self.scenario().faults.active(state.now) as f64]);
     }
 }
 

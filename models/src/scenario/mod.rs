@@ -1,6 +1,8 @@
 //! The scenario file: site, initial state, terrain, guidance settings, touchdown limits.
 
 mod contact;
+mod disturbances;
+mod faults;
 mod guidance;
 mod initial;
 mod slosh;
@@ -10,6 +12,8 @@ mod touchdown;
 use std::path::{Path, PathBuf};
 
 pub use contact::ContactEngine;
+pub use disturbances::{Disturbances, Offsets};
+pub use faults::*;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
 pub use terrain::{Craters, Heightmap, RockLaw, Rocks, Soil, Terrain};
@@ -31,6 +35,8 @@ pub struct Scenario {
     /// The vehicle's propellant sloshes.
     pub slosh_active: bool,
     pub ignition: Ignition,
+    pub disturbances: Disturbances,
+    pub faults: Faults,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
     pub stop_time: Ticks,
@@ -78,6 +84,8 @@ impl Scenario {
                 "never" => Ignition::Never,
                 _ => Ignition::Nominal,
             },
+            disturbances: disturbances::read(&root, vehicle)?,
+            faults: faults::read(&root)?,
             guidance: guidance::read(&root, vehicle)?,
             touchdown: touchdown::read(&root)?,
             // Whole numbers up to 2^53 are exact in a file's f64.

@@ -1,5 +1,6 @@
 //! The vehicle file: every number with unit, source and grade.
 
+mod curve;
 mod engine;
 mod gear;
 mod hull;
@@ -9,7 +10,8 @@ mod slosh;
 
 use std::path::Path;
 
-pub use engine::Engine;
+pub use curve::Curve;
+pub use engine::{DeadZone, Engine};
 pub use gear::{Gear, Leg, Strut};
 pub use hull::Hull;
 pub use rcs::Rcs;

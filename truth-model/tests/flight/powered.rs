@@ -54,6 +54,7 @@ fn the_step_converges_at_fourth_order() {
         thrust_target_n: 2500.0,
         gimbal_target_rad: Vector2::new(0.01, -0.005),
         rcs_torque_b: Vector3::new(5.0, -3.0, 2.0),
+        ..Drive::default()
     };
     let at = |step_s: f64| {
         fly(&bug(), &start, &drive, GRAVITY_M_S2, step_s, (2.0 / step_s).round() as usize)

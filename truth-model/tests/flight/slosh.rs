@@ -152,6 +152,7 @@ fn gimballed(start: &Motion) -> (Motion, Drive) {
         thrust_target_n: 2500.0,
         gimbal_target_rad: Vector2::new(0.01, -0.005),
         rcs_torque_b: Vector3::new(5.0, -3.0, 2.0),
+        ..Drive::default()
     };
     (start, drive)
 }
