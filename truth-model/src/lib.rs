@@ -8,6 +8,7 @@ pub mod flight;
 pub mod gear;
 pub mod propulsion;
 pub mod random;
+pub mod sensors;
 pub mod stability;
 pub mod terrain;
 pub mod verdict;

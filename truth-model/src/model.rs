@@ -2,7 +2,7 @@
 
 use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
-use lander_models::scenario::Scenario;
+use lander_models::scenario::{PerSensor, Scenario};
 use lander_models::signals::{self, Interface};
 use lander_models::time::{TICK_S, Ticks};
 use lander_models::vehicle::Vehicle;
@@ -14,6 +14,7 @@ use crate::engine;
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Command, Drive};
+use crate::sensors::{SensorState, SensorSuite};
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
 
@@ -37,6 +38,7 @@ pub struct TruthModel {
     vehicle: Vehicle,
     /// The scenario's terrain, made ready for queries.
     ground: Ground,
+    sensors: SensorSuite,
 }
 
 /// All that a bit-exact restart needs.
@@ -56,12 +58,14 @@ pub struct State {
     /// Mean non-gravitational acceleration of the centre of mass over the last step.
     pub specific_force_b: Vector3<f64>,
     pub dead_zone: Ticks,
+    pub sensors: SensorState,
 }
 
 impl TruthModel {
     pub fn new(scenario: Scenario, vehicle: Vehicle) -> Self {
         let ground = Ground::new(&scenario.terrain);
-        Self { scenario, vehicle, ground }
+        let sensors = SensorSuite::new(&scenario, &vehicle);
+        Self { scenario, vehicle, ground, sensors }
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -76,10 +80,14 @@ impl TruthModel {
         &self.ground
     }
 
+    pub fn sensors(&self) -> &SensorSuite {
+        &self.sensors
+    }
+
     /// What contact engines work on.
     pub fn site(&self) -> Site<'_> {
         let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
-        let Self { scenario, vehicle, ground } = self;
+        let Self { scenario, vehicle, ground, .. } = self;
         Site { vehicle, terrain: &scenario.terrain, ground, gravity_w }
     }
 
@@ -108,6 +116,7 @@ impl TruthModel {
             touchdown: Touchdown::default(),
             specific_force_b: Vector3::zeros(),
             dead_zone: Ticks::ZERO,
+            sensors: self.start_sensors(&motion),
         };
         // A vehicle that starts on its feet at rest lifts off first; any other start is a flight.
         state.airborne =
@@ -148,6 +157,7 @@ impl TruthModel {
         if !state.motion.is_finite() {
             return Err(diverged(state, "motion"));
         }
+        self.sense(state, &PerSensor::default());
         Ok(StepReport {
             event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
             terminate: state.touchdown.decided(),

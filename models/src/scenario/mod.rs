@@ -3,6 +3,7 @@
 mod contact;
 mod guidance;
 mod initial;
+mod sensors;
 mod terrain;
 mod touchdown;
 
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 pub use contact::ContactEngine;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
+pub use sensors::{DropOut, Navigation, PerSensor, Sensing, SensorSettings};
 pub use terrain::Terrain;
 pub use touchdown::TouchdownLimits;
 
@@ -28,6 +30,7 @@ pub struct Scenario {
     pub ignition: Ignition,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
+    pub sensing: Sensing,
     pub stop_time: Ticks,
     /// Of all random draws: noise, bias, rocks.
     pub seed: u64,
@@ -72,6 +75,7 @@ impl Scenario {
             },
             guidance: guidance::read(&root, vehicle)?,
             touchdown: touchdown::read(&root)?,
+            sensing: sensors::read(&root, vehicle)?,
             // Whole numbers up to 2^53 are exact in a file's f64.
             seed: run.number_or("seed", "1", Limit::Within(0.0, 9.007e15), 0.0)? as u64,
             stop_time: Ticks::from_seconds(stop_s)

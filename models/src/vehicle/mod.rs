@@ -5,6 +5,7 @@ mod gear;
 mod hull;
 mod mass;
 mod rcs;
+mod sensors;
 
 use std::path::Path;
 
@@ -12,6 +13,10 @@ pub use engine::Engine;
 pub use gear::{Gear, Leg, Strut};
 pub use hull::Hull;
 pub use rcs::Rcs;
+pub use sensors::{
+    AltimeterSpec, ImuSpec, LandmarkSpec, LegProbeSpec, Sensors, StarTrackerSpec, TriadSpec,
+    VelocimeterSpec,
+};
 
 use crate::mass::MassModel;
 use crate::quantity::{ConfigError, Section};
@@ -27,6 +32,8 @@ pub struct Vehicle {
     pub rcs: Rcs,
     pub gear: Gear,
     pub hull: Hull,
+    /// `None`: the file says nothing about sensors, so only perfect navigation can be flown.
+    pub sensors: Option<Sensors>,
 }
 
 impl Vehicle {
@@ -48,6 +55,7 @@ impl Vehicle {
             engine: engine::read(&root)?,
             rcs: rcs::read(&root)?,
             hull: hull::read(&root)?,
+            sensors: sensors::read(&root)?,
         };
         // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
         root.optional_section("as_printed")?;
