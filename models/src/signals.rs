@@ -6,6 +6,9 @@
 /// Feet that the table has room for; a vehicle with fewer leaves the last slots at their start.
 pub const FOOT_SLOTS: usize = 6;
 
+/// Sensors in `sensor_valid` and `sensor_samples` (`scenario::PerSensor` has their order).
+pub const SENSOR_SLOTS: usize = 6;
+
 /// One named signal of `size` scalars.
 #[derive(Clone, Copy, Debug)]
 pub struct Signal {
@@ -22,7 +25,8 @@ pub struct Signal {
 impl Signal {
     /// Start value of scalar `index`; an attitude starts as the identity quaternion.
     pub fn start_of(&self, index: usize) -> f64 {
-        if self.name == ATTITUDE_WB.name && index > 0 { 0.0 } else { self.start }
+        let attitude = self.name.ends_with(ATTITUDE_WB.name);
+        if attitude && index > 0 { 0.0 } else { self.start }
     }
 
     /// `name` for a scalar, `name[1]` … `name[size]` for an array.
@@ -266,6 +270,43 @@ pub const TRUTH: Interface = Interface {
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),
         scalar("slosh_angle_deg", "deg", "Largest angle of a slosh pendulum from the body axis"),
         scalar("faults_active", "1", "Failure modes past their onset"),
+        vector(
+            "imu_specific_force_b",
+            3,
+            "m/s2",
+            "IMU: mean specific force of its mounting over its last period, body frame half way through",
+        ),
+        vector(
+            "imu_rate_b",
+            3,
+            "rad/s",
+            "IMU: rotation vector of its last period over the period's length, body frame",
+        ),
+        scalar("altimeter_range_m", "m", "Altimeter: slant range along body -z from its mounting"),
+        vector(
+            "velocimeter_velocity_b",
+            3,
+            "m/s",
+            "Velocimeter: velocity of its mounting point against the ground, body frame",
+        ),
+        Signal {
+            name: "star_tracker_attitude_wb",
+            description: "Star tracker: unit quaternion (w, x, y, z), body to world",
+            ..ATTITUDE_WB
+        },
+        vector("landmark_position_w", 3, "m", "Landmark fix: position of O, world frame"),
+        vector(
+            "sensor_valid",
+            SENSOR_SLOTS,
+            "1",
+            "1: last sample arrived; IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
+        ),
+        vector(
+            "sensor_samples",
+            SENSOR_SLOTS,
+            "1",
+            "Samples that arrived so far, in the order of sensor_valid: a change is a new reading",
+        ),
     ],
 };
 

@@ -146,3 +146,24 @@ fn every_shipped_scenario_loads() {
     }
     assert!(count >= 5);
 }
+
+#[test]
+fn sensors_that_cannot_be_are_refused() {
+    let with = |section: &str| scenario_error("[run]", &format!("{section}\n\n[run]"));
+    let error = with("[sensors]\nnavigation = \"sextant\"");
+    says(&error, &["`sensors.navigation`", "sextant", "perfect, sensors"]);
+    let error = with("[sensors.altimeter]\ndrop_outs = { value = [[1.0, 0.0005]], unit = \"s\" }");
+    says(&error, &["`sensors.altimeter.drop_outs`", "0.0005", "whole"]);
+    let error = with("[sensors.imu]\ndrop_out_probability = { value = 1.5, unit = \"1\" }");
+    says(&error, &["`sensors.imu.drop_out_probability`", "1.5", "[0, 1]"]);
+    let error = vehicle_error("[0.3, 2000.0]", "[2000.0, 0.3]");
+    says(&error, &["`sensors.altimeter.range`", "must rise"]);
+    let error = vehicle_error("[-0.5, 0.0, 0.8660254]", "[0.0, 0.0, 0.0]");
+    says(&error, &["`sensors.star_tracker.boresight_b`", "no direction"]);
+    // A vehicle without sensors flies with perfect navigation only.
+    let (from, to) = (BUG.find("[sensors.imu]").unwrap(), BUG.find("[as_printed]").unwrap());
+    let bare = Vehicle::parse(Path::new("bare.toml"), &(BUG[..from].to_owned() + &BUG[to..]));
+    let text = format!("{SCENARIO}\n[sensors]\nnavigation = \"sensors\"\n");
+    let error = Scenario::parse(Path::new("landing.toml"), &text, &bare.unwrap()).unwrap_err();
+    says(&error.to_string(), &["`sensors.navigation`", "BUG", "no section [sensors]"]);
+}

@@ -11,6 +11,7 @@ pub mod gear;
 pub mod propulsion;
 pub mod random;
 pub mod rcs;
+pub mod sensors;
 pub mod slosh;
 pub mod stability;
 pub mod terrain;

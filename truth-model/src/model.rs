@@ -15,6 +15,7 @@ use crate::engine;
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Command, Drive, Plant, Propulsion};
+use crate::sensors::{SensorState, SensorSuite};
 use crate::slosh::Pendulums;
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
@@ -40,6 +41,7 @@ pub struct TruthModel {
     biases: Biases,
     /// The scenario's terrain, made ready for queries.
     ground: Ground,
+    sensors: SensorSuite,
 }
 
 /// All that a bit-exact restart needs.
@@ -60,6 +62,7 @@ pub struct State {
     /// Mean non-gravitational acceleration of the centre of mass over the last step.
     pub specific_force_b: Vector3<f64>,
     pub dead_zone: Ticks,
+    pub sensors: SensorState,
 }
 
 impl TruthModel {
@@ -67,7 +70,8 @@ impl TruthModel {
         let biases = Biases::draw(&scenario.disturbances, scenario.seed);
         let (scenario, vehicle) = disturbances::disperse(scenario, vehicle);
         let ground = Ground::new(&scenario.terrain);
-        Self { scenario, vehicle, biases, ground }
+        let sensors = SensorSuite::new(&scenario, &vehicle);
+        Self { scenario, vehicle, biases, ground, sensors }
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -80,6 +84,10 @@ impl TruthModel {
 
     pub fn ground(&self) -> &Ground {
         &self.ground
+    }
+
+    pub fn sensors(&self) -> &SensorSuite {
+        &self.sensors
     }
 
     /// What contact engines work on.
@@ -116,6 +124,7 @@ impl TruthModel {
             touchdown: Touchdown::default(),
             specific_force_b: Vector3::zeros(),
             dead_zone: Ticks::ZERO,
+            sensors: self.start_sensors(&motion),
         };
         // A vehicle that starts on its feet at rest lifts off first; any other start is a flight.
         state.airborne =
@@ -124,7 +133,7 @@ impl TruthModel {
     }
 
     fn initial_slosh(&self) -> Pendulums {
-        let tanks = self.vehicle.slosh.as_ref().filter(|_| self.scenario.slosh_active);
+        let tanks = self.vehicle.slosh.as_ref().filter(|_| self.scenario.sloshes());
         tanks.map(Pendulums::hanging).unwrap_or_default()
     }
 
@@ -136,6 +145,9 @@ impl TruthModel {
         self.choose_engine(state);
         let Self { scenario, vehicle, biases, .. } = self;
         let plant = Plant { scenario, vehicle, biases };
+        if let Some(angle_rad) = scenario.faults.slosh_onset(state.now) {
+            state.motion.slosh.excite(angle_rad, 0.0, 0.0);
+        }
         state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
         if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
@@ -164,6 +176,7 @@ impl TruthModel {
         if !state.motion.is_finite() {
             return Err(diverged(state, "motion"));
         }
+        self.sense(state, &self.scenario.faults.failed_sensors(state.now));
         Ok(StepReport {
             event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
             terminate: state.touchdown.decided(),
@@ -187,7 +200,8 @@ impl TruthModel {
             state.contact = None;
             state.feet_down.fill(false);
             for leg in &mut state.legs {
-                *leg = LegState { stroke_m: leg.crushed_m, load_n: 0.0, ..*leg };
+                let crushed_m = leg.crushed_m;
+                *leg = LegState { stroke_m: crushed_m, crushed_m, ..LegState::default() };
             }
         }
     }

@@ -19,6 +19,7 @@ impl TruthModel {
     /// Hands every output to `put`, in table order.
     fn visit_outputs(&self, state: &State, put: &mut dyn FnMut(&'static str, &[f64])) {
         let motion = &state.motion;
+        let readings = self.readings(state);
         let mass = self.vehicle().mass.at(motion.propellant_kg);
         let touchdown = &state.touchdown;
         let first = touchdown.first.as_ref();
@@ -50,10 +51,8 @@ impl TruthModel {
         put("rate_b", motion.rate_b.as_slice());
         put("specific_force_b", state.specific_force_b.as_slice());
         put("mass_kg", &[mass.mass_kg]);
-        let altimeter_m =
-            motion.position_w.z - self.ground().height_m(motion.position_w.x, motion.position_w.y);
-        put("altimeter_m", &[altimeter_m]);
-        put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
+        put("altimeter_m", &[readings.altimeter.value.height_m]);
+        put("foot_contact", &readings.leg_probes.value.map(flag));
         put("propellant_kg", &[motion.propellant_kg]);
         put("thrust_n", &[state.drive.thrust_n(motion)]);
         put("gimbal_rad", motion.gimbal_rad.as_slice());
@@ -108,6 +107,15 @@ impl TruthModel {
         put("dead_zone_time_s", &[state.dead_zone.seconds()]);
         put("slosh_angle_deg", &[motion.slosh.angle_rad().to_degrees()]);
         put("faults_active", &[self.scenario().faults.active(state.now) as f64]);
+        put("imu_specific_force_b", readings.imu.value.specific_force_b.as_slice());
+        put("imu_rate_b", readings.imu.value.rate_b.as_slice());
+        put("altimeter_range_m", &[readings.altimeter.value.range_m]);
+        put("velocimeter_velocity_b", readings.velocimeter.value.as_slice());
+        let star_tracker_wb = attitude_to_wxyz(&readings.star_tracker.value);
+        put("star_tracker_attitude_wb", &star_tracker_wb);
+        put("landmark_position_w", readings.landmark.value.as_slice());
+        put("sensor_valid", &readings.valid().to_array().map(flag));
+        put("sensor_samples", &readings.samples().to_array().map(|count| count as f64));
     }
 }
 

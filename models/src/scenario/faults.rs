@@ -1,6 +1,7 @@
 //! What breaks, and when: `[faults]` of a scenario, one sub-table a mode. The paper's ten failure
 //! modes (section V-C); any may be combined.
 
+use super::sensors::PerSensor;
 use crate::quantity::{ConfigError, Limit, Section};
 use crate::time::Ticks;
 
@@ -133,6 +134,18 @@ impl Faults {
 
     pub fn sensor_failed(&self, now: Ticks, sensor: Sensor) -> bool {
         self.sensor_failure.is_some_and(|fault| fault.sensor == sensor && now >= fault.onset)
+    }
+
+    pub fn failed_sensors(&self, now: Ticks) -> PerSensor<bool> {
+        let failed = |sensor| self.sensor_failed(now, sensor);
+        PerSensor {
+            imu: failed(Sensor::Imu),
+            altimeter: failed(Sensor::Altimeter),
+            velocimeter: failed(Sensor::Velocimeter),
+            star_tracker: failed(Sensor::StarTracker),
+            leg_probes: failed(Sensor::LegProbes),
+            landmark: false,
+        }
     }
 
     /// Angle of the pendulums in rad, at the tick of the kick alone.

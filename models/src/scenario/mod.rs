@@ -5,6 +5,7 @@ mod disturbances;
 mod faults;
 mod guidance;
 mod initial;
+mod sensors;
 mod slosh;
 mod terrain;
 mod touchdown;
@@ -16,6 +17,7 @@ pub use disturbances::{Disturbances, Offsets};
 pub use faults::*;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
+pub use sensors::{DropOut, Navigation, PerSensor, Sensing, SensorSettings};
 pub use terrain::{Craters, Heightmap, RockLaw, Rocks, Soil, Terrain};
 pub use touchdown::TouchdownLimits;
 
@@ -39,6 +41,7 @@ pub struct Scenario {
     pub faults: Faults,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
+    pub sensing: Sensing,
     pub stop_time: Ticks,
     /// Of all random draws: noise, bias, rocks.
     pub seed: u64,
@@ -58,6 +61,11 @@ impl Scenario {
         let named = PathBuf::from(root.text("vehicle")?);
         let vehicle = Vehicle::load(&file.parent().unwrap_or(Path::new("")).join(named))?;
         Ok((Self::from_section(root, &vehicle)?, vehicle))
+    }
+
+    /// Whether propellant moves in its tanks: asked for, or kicked by a fault.
+    pub fn sloshes(&self) -> bool {
+        self.slosh_active || self.faults.slosh.is_some()
     }
 
     /// As `load`, from text in memory, with the vehicle given.
@@ -88,11 +96,16 @@ impl Scenario {
             faults: faults::read(&root)?,
             guidance: guidance::read(&root, vehicle)?,
             touchdown: touchdown::read(&root)?,
+            sensing: sensors::read(&root, vehicle)?,
             // Whole numbers up to 2^53 are exact in a file's f64.
             seed: run.number_or("seed", "1", Limit::Within(0.0, 9.007e15), 0.0)? as u64,
             stop_time: Ticks::from_seconds(stop_s)
                 .map_err(|error| run.error("stop_time", error.to_string()))?,
         };
+        if scenario.faults.slosh.is_some() && vehicle.slosh.is_none() {
+            let reason = format!("needs tanks, but vehicle {} has no [slosh]", vehicle.name);
+            return Err(root.error("faults.slosh", reason));
+        }
         for section in [site, run, engine] {
             section.finish()?;
         }

@@ -6,6 +6,7 @@ mod gear;
 mod hull;
 mod mass;
 mod rcs;
+mod sensors;
 mod slosh;
 
 use std::path::Path;
@@ -15,6 +16,10 @@ pub use engine::{DeadZone, Engine};
 pub use gear::{Gear, Leg, Strut};
 pub use hull::Hull;
 pub use rcs::Rcs;
+pub use sensors::{
+    AltimeterSpec, ImuSpec, LandmarkSpec, LegProbeSpec, Sensors, StarTrackerSpec, TriadSpec,
+    VelocimeterSpec,
+};
 pub use slosh::{MAX_TANKS, Slosh};
 
 use crate::mass::MassModel;
@@ -32,6 +37,8 @@ pub struct Vehicle {
     pub gear: Gear,
     pub hull: Hull,
     pub slosh: Option<Slosh>,
+    /// `None`: the file says nothing about sensors, so only perfect navigation can be flown.
+    pub sensors: Option<Sensors>,
 }
 
 impl Vehicle {
@@ -54,6 +61,7 @@ impl Vehicle {
             engine: engine::read(&root)?,
             rcs: rcs::read(&root)?,
             hull: hull::read(&root)?,
+            sensors: sensors::read(&root)?,
         };
         // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
         root.optional_section("as_printed")?;
