@@ -9,12 +9,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LegState {
     pub stroke_m: f64,
+    /// Its rate, compression positive.
+    pub stroke_rate_m_s: f64,
     /// Plastic part: the length that the strut springs back to.
     pub crushed_m: f64,
     /// Load along the stroke axis, compression positive.
     pub load_n: f64,
     /// Of the ground on the pad, N.
     pub ground_force_w: Vector3<f64>,
+    /// Depth to which the pad has pressed soft soil.
+    pub sinkage_m: f64,
 }
 
 /// Load at which the honeycomb flows at this stroke, N (T.11).

@@ -47,7 +47,7 @@ impl Site<'_> {
 #[derive(Clone, Copy, Debug)]
 pub struct Footing {
     pub normal_w: Vector3<f64>,
-    offset_m: f64,
+    pub offset_m: f64,
 }
 
 impl Footing {

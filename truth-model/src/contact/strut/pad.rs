@@ -50,6 +50,7 @@ pub struct PadForce {
     /// Where it acts, from O.
     pub point_b: Vector3<f64>,
     stroke_m: f64,
+    stroke_rate_m_s: f64,
     axial_n: f64,
     slip_w: Vector3<f64>,
     normal_n: f64,
@@ -136,7 +137,7 @@ impl<'a> Pad<'a> {
             (normal_n, direction_w * (friction * normal_n))
         };
         let ground_w = normal_w * normal_n + friction_w;
-        Some(PadForce { ground_w, point_b, stroke_m, axial_n, slip_w, normal_n })
+        Some(PadForce { ground_w, point_b, stroke_m, stroke_rate_m_s, axial_n, slip_w, normal_n })
     }
 
     /// State of leg and grip after a step that ended in `motion`.
@@ -159,9 +160,11 @@ impl<'a> Pad<'a> {
         grip.slip_w = Some(force.slip_w.cap_magnitude(most_m));
         LegState {
             stroke_m: force.stroke_m,
+            stroke_rate_m_s: force.stroke_rate_m_s,
             crushed_m: crushed_after(strut, self.start.crushed_m, force.stroke_m),
             load_n: force.axial_n,
             ground_force_w: force.ground_w,
+            sinkage_m: 0.0,
         }
     }
 
