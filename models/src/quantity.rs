@@ -99,8 +99,9 @@ impl Section {
         self.take(key).ok_or_else(|| self.error(key, "is missing"))
     }
 
+    /// Whether an optional key is there. Asking makes it known.
     pub fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
+        self.take(key).is_some()
     }
 
     /// A sub-table that must be there.
