@@ -43,8 +43,8 @@ pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
     let library = sources.libraries.join(library_file(model));
     entries.insert(library_entry(model), read(&library)?);
     let models = sources.root.join("models");
-    for folder in ["scenarios", "vehicles"] {
-        for file in toml_files(&models.join(folder))? {
+    for (folder, extension) in [("scenarios", "toml"), ("vehicles", "toml"), ("terrain", "tif")] {
+        for file in files(&models.join(folder), extension)? {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             entries.insert(format!("resources/{folder}/{name}"), read(&file)?);
         }
@@ -64,18 +64,18 @@ pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
 /// Loads every scenario once, so that a broken one is found here and not by an importer.
 /// Returns the stop time of the default one.
 fn validate_scenarios(models: &Path) -> Result<Ticks, Error> {
-    for file in toml_files(&models.join("scenarios"))? {
+    for file in files(&models.join("scenarios"), "toml")? {
         Scenario::load(&file)?;
     }
     Ok(Scenario::load(&models.join(DEFAULT_SCENARIO))?.0.stop_time)
 }
 
-fn toml_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
     let listing = fs::read_dir(folder).map_err(Error::read(folder))?;
     let mut files = Vec::new();
     for entry in listing {
         let file = entry.map_err(Error::read(folder))?.path();
-        if file.extension().is_some_and(|extension| extension == "toml") {
+        if file.extension().is_some_and(|extension| extension == with) {
             files.push(file);
         }
     }

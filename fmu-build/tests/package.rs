@@ -1,6 +1,7 @@
 //! Packs real tables and resources around stand-in libraries.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -40,8 +41,14 @@ impl Drop for Workshop {
 }
 
 fn read_entry(file: &Path, entry: &str) -> String {
+    String::from_utf8(read_bytes(file, entry)).unwrap()
+}
+
+fn read_bytes(file: &Path, entry: &str) -> Vec<u8> {
     let mut zip = zip::ZipArchive::new(fs::File::open(file).unwrap()).unwrap();
-    std::io::read_to_string(zip.by_name(entry).unwrap()).unwrap()
+    let mut bytes = Vec::new();
+    zip.by_name(entry).unwrap().read_to_end(&mut bytes).unwrap();
+    bytes
 }
 
 /// Replaces `from` by `to` in the model description of `file`.
@@ -100,11 +107,12 @@ fn resources_are_the_files_of_the_models_folder() {
     let workshop = Workshop::new("resources");
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let file = &workshop.build("out", Stamp::default()).unwrap()[0];
-    for folder in ["scenarios", "vehicles"] {
-        for source in fs::read_dir(models.join(folder)).unwrap().map(|e| e.unwrap().path()) {
+    for (folder, kind) in [("scenarios", "toml"), ("vehicles", "toml"), ("terrain", "tif")] {
+        let sources = fs::read_dir(models.join(folder)).unwrap().map(|e| e.unwrap().path());
+        for source in sources.filter(|source| source.extension().unwrap() == kind) {
             let name = source.file_name().unwrap().to_str().unwrap();
-            let packed = read_entry(file, &format!("resources/{folder}/{name}"));
-            assert_eq!(packed, fs::read_to_string(&source).unwrap());
+            let packed = read_bytes(file, &format!("resources/{folder}/{name}"));
+            assert_eq!(packed, fs::read(&source).unwrap());
         }
     }
 }

@@ -101,6 +101,7 @@ impl Section {
         self.take(key).ok_or_else(|| self.error(key, "is missing"))
     }
 
+    /// Whether an optional key is there. Asking makes it known.
     pub fn has(&self, key: &str) -> bool {
         self.take(key).is_some()
     }

@@ -76,6 +76,33 @@ fn values_beyond_their_limits_name_the_limit() {
 }
 
 #[test]
+fn terrain_beyond_its_limits_is_refused() {
+    let fields = |table: &str| scenario_error("[initial]", &format!("{table}\n[initial]"));
+    let craters = "[terrain.craters]\nextent = { value = 500.0, unit = \"m\" }\n\
+                   diameter_max = { value = 100.0, unit = \"m\" }\n";
+    let error = fields(&format!("{craters}diameter_min = {{ value = 0.1, unit = \"m\" }}"));
+    says(&error, &["`terrain.craters.diameter_min`", "bodies", "at most 200000"]);
+    let error = fields(&format!("{craters}diameter_min = {{ value = 200.0, unit = \"m\" }}"));
+    says(&error, &["`terrain.craters.diameter_max`", "is 100 m", "[200, 15000]"]);
+    let rocks = "[terrain.rocks]\nextent = { value = 50.0, unit = \"m\" }\n\
+                 diameter_min = { value = 0.2, unit = \"m\" }\n\
+                 diameter_max = { value = 2.0, unit = \"m\" }\n";
+    says(&fields(rocks), &["`terrain.rocks.abundance`", "missing"]);
+    let rocks = format!("{rocks}abundance = {{ value = 0.02, unit = \"1\" }}\n");
+    let error = fields(&format!("{rocks}burial = {{ value = 0.6, unit = \"1\" }}"));
+    says(&error, &["`terrain.rocks.burial`", "0.6", "[0, 0.5]"]);
+    // A key of the other law has no meaning here.
+    let error = fields(&format!("{rocks}exponent = {{ value = 2.0, unit = \"1\" }}"));
+    says(&error, &["`terrain.rocks.exponent`", "not known"]);
+    let error = fields("[terrain.soil]\nexponent = { value = 3.0, unit = \"1\" }");
+    says(&error, &["`terrain.soil.exponent`", "3", "[0.5, 1.8]"]);
+    let error = fields("[terrain.soil]\ncohesive_modulus = { value = 1.4, unit = \"kN/m2\" }");
+    says(&error, &["`terrain.soil.cohesive_modulus`", "kN/m2", "N/m^(n+1)"]);
+    let error = fields("[terrain.lakes]");
+    says(&error, &["`terrain.lakes`", "not known", "heightmap"]);
+}
+
+#[test]
 fn gear_that_contact_cannot_hold_is_refused() {
     let error = vehicle_error("{ value = 2.0, unit = \"kg\"", "{ value = 7.0, unit = \"kg\"");
     says(&error, &["`gear.foot_mass`", "7", "[0.5, 4.56"]);

@@ -9,6 +9,17 @@ pub fn uniform(seed: u64, stream: &str, index: u64) -> f64 {
     to_unit(generator(seed, stream, index).next_u64())
 }
 
+/// The draws `uniform` gives for 0, 1, 2 …, in one go: many times cheaper than one by one.
+pub fn uniforms(seed: u64, stream: &str) -> impl Iterator<Item = f64> + use<> {
+    let mut generator = generator(seed, stream, 0);
+    std::iter::repeat_with(move || {
+        let draw = to_unit(generator.next_u64());
+        // The rest of the words set aside.
+        generator.next_u64();
+        draw
+    })
+}
+
 /// Standard normal: draw `index` of a named stream (Box and Muller 1958).
 pub fn normal(seed: u64, stream: &str, index: u64) -> f64 {
     let mut generator = generator(seed, stream, index);
@@ -54,6 +65,12 @@ mod tests {
         assert_ne!(normal(7, "thrust", 3), normal(7, "thrust", 4));
         assert_ne!(normal(7, "thrust", 3), normal(7, "gimbal", 3));
         assert_ne!(normal(7, "thrust", 3), normal(8, "thrust", 3));
+    }
+
+    #[test]
+    fn a_whole_stream_gives_the_same_draws() {
+        let drawn = uniforms(7, "rocks").zip(0..).take(100);
+        assert!(drawn.into_iter().all(|(draw, index)| draw == uniform(7, "rocks", index)));
     }
 
     #[test]

@@ -143,7 +143,8 @@ impl HeightGrid {
                 return Err(HeightmapError::NoData { count, total, line, column, value });
             }
         }
-        if let Some((count, line, column, value)) = bad(&|value| !(value.abs() <= ELEVATION_MAX_M))
+        if let Some((count, line, column, value)) =
+            bad(&|value| value.is_nan() || value.abs() > ELEVATION_MAX_M)
         {
             return Err(HeightmapError::Implausible { count, total, line, column, value });
         }

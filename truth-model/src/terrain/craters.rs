@@ -4,9 +4,8 @@ use lander_models::scenario::Craters;
 use nalgebra::{Matrix2, Vector2};
 
 use super::Local;
-use super::field::PowerLaw;
+use super::field::{Body, PowerLaw};
 use super::index::{Index, Rectangle};
-use crate::random::uniform;
 
 /// Where a flank ends, in crater radii: Pike (1977) has flanks 0.257 diameters wide, Fassett and
 /// Thomson (2014) end theirs here.
@@ -68,18 +67,13 @@ impl CraterField {
             density_at_1m_m2: of.density_at_1m_m2,
             exponent: of.exponent,
         };
-        let drawn = law.diameters_m(seed, "terrain.craters.diameter");
-        let craters: Vec<_> = drawn
-            .map(|(index, diameter_m)| {
-                let worn = uniform(seed, "terrain.craters.freshness", index);
-                let freshness = of.freshness_min + (1.0 - of.freshness_min) * worn;
+        let craters: Vec<_> = law
+            .bodies(seed, "craters")
+            .map(|Body { diameter_m, centre_m, mark }| {
+                let freshness = of.freshness_min + (1.0 - of.freshness_min) * mark;
                 let depth_m = of.depth_ratio * diameter_m * freshness;
-                Crater {
-                    centre_m: law.place_m(seed, "terrain.craters.place", index),
-                    radius_m: 0.5 * diameter_m,
-                    depth_m,
-                    rim_m: of.rim_ratio * depth_m,
-                }
+                let rim_m = of.rim_ratio * depth_m;
+                Crater { centre_m, radius_m: 0.5 * diameter_m, depth_m, rim_m }
             })
             .collect();
         let footprint = |crater: &Crater| Rectangle {

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector2;
 
-use crate::random::uniform;
+use crate::random::uniforms;
 
 /// Bodies on a disc about the world origin, with N(>D) = density (D^-exponent - D_max^-exponent)
 /// per area.
@@ -16,26 +16,34 @@ pub(super) struct PowerLaw {
     pub exponent: f64,
 }
 
+/// One body of a field.
+pub(super) struct Body {
+    pub diameter_m: f64,
+    pub centre_m: Vector2<f64>,
+    /// Uniform in [0, 1), for what else is drawn.
+    pub mark: f64,
+}
+
 impl PowerLaw {
-    /// Number and diameter of each body, widest first: the arrivals of a unit Poisson process,
-    /// mapped by the law's inverse. A smaller least diameter adds bodies and changes none.
-    pub fn diameters_m(&self, seed: u64, stream: &'static str) -> impl Iterator<Item = (u64, f64)> {
-        let bodies_at_1m = PI * self.extent_m * self.extent_m * self.density_at_1m_m2;
-        let (least_m, exponent) = (self.diameter_min_m, self.exponent);
+    /// The bodies, widest first: the arrivals of a unit Poisson process, mapped by the law's
+    /// inverse. A smaller least diameter adds bodies and changes none.
+    pub fn bodies(&self, seed: u64, field: &str) -> impl Iterator<Item = Body> + use<> {
+        let stream = |what: &str| uniforms(seed, &format!("terrain.{field}.{what}"));
+        let (mut radii, mut azimuths) = (stream("radius"), stream("azimuth"));
+        let mut marks = stream("mark");
+        let Self { extent_m, diameter_min_m, exponent, .. } = *self;
+        let bodies_at_1m = PI * extent_m * extent_m * self.density_at_1m_m2;
         let widest = self.diameter_max_m.powf(-exponent);
         let mut arrival = 0.0;
-        (0..).map_while(move |index| {
-            // 1 - u lies in (0, 1]: its logarithm is finite.
-            arrival -= (1.0 - uniform(seed, stream, index)).ln();
+        stream("diameter").map_while(move |draw| {
+            // 1 - draw lies in (0, 1]: its logarithm is finite.
+            arrival -= (1.0 - draw).ln();
             let diameter_m = (widest + arrival / bodies_at_1m).powf(-exponent.recip());
-            (diameter_m >= least_m).then_some((index, diameter_m))
+            let (sin, cos) = (TAU * azimuths.next()?).sin_cos();
+            // Uniform on the disc.
+            let centre_m = Vector2::new(cos, sin) * (extent_m * radii.next()?.sqrt());
+            let body = Body { diameter_m, centre_m, mark: marks.next()? };
+            (diameter_m >= diameter_min_m).then_some(body)
         })
-    }
-
-    /// Where a body lies: uniform on the disc.
-    pub fn place_m(&self, seed: u64, stream: &str, index: u64) -> Vector2<f64> {
-        let radius_m = self.extent_m * uniform(seed, stream, 2 * index).sqrt();
-        let (sin, cos) = (TAU * uniform(seed, stream, 2 * index + 1)).sin_cos();
-        Vector2::new(radius_m * cos, radius_m * sin)
     }
 }

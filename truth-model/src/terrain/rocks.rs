@@ -5,10 +5,9 @@ use std::f64::consts::PI;
 use lander_models::scenario::{RockLaw, Rocks};
 use nalgebra::Vector3;
 
-use super::field::PowerLaw;
+use super::field::{Body, PowerLaw};
 use super::index::{Index, Rectangle};
 use super::{Ground, Surface};
-use crate::random::uniform;
 
 /// How far from a point its nearest rock is looked for, m: beyond all gaps at which contact is
 /// taken over and handed back.
@@ -43,25 +42,20 @@ impl RockField {
     /// `relief` is the ground without rocks.
     pub fn new(of: &Rocks, seed: u64, relief: &Ground) -> Self {
         let law = power_law(of);
-        let keep = |index: u64, diameter_m: f64| match of.law {
+        let keep = |body: &Body| match of.law {
             RockLaw::Power { .. } => true,
             RockLaw::Exponential { abundance } => {
-                let beyond_m = diameter_m - of.diameter_min_m;
-                let part = (-RockLaw::decay_per_m(abundance) * beyond_m).exp();
-                uniform(seed, "terrain.rocks.keep", index) < part
+                let beyond_m = body.diameter_m - of.diameter_min_m;
+                body.mark < (-RockLaw::decay_per_m(abundance) * beyond_m).exp()
             }
         };
-        let drawn = law.diameters_m(seed, "terrain.rocks.diameter");
-        let rocks: Vec<_> = drawn
-            .filter(|(index, diameter_m)| keep(*index, *diameter_m))
-            .map(|(index, diameter_m)| {
-                let place_m = law.place_m(seed, "terrain.rocks.place", index);
+        let rocks: Vec<_> = law
+            .bodies(seed, "rocks")
+            .filter(keep)
+            .map(|Body { diameter_m, centre_m, .. }| {
                 let rise_m = diameter_m * (0.5 - of.burial);
-                let height_m = relief.height_m(place_m.x, place_m.y) + rise_m;
-                Rock {
-                    centre_w: Vector3::new(place_m.x, place_m.y, height_m),
-                    radius_m: 0.5 * diameter_m,
-                }
+                let height_m = relief.height_m(centre_m.x, centre_m.y) + rise_m;
+                Rock { centre_w: centre_m.push(height_m), radius_m: 0.5 * diameter_m }
             })
             .collect();
         let centre =
