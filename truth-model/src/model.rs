@@ -129,7 +129,9 @@ impl TruthModel {
         self.choose_engine(state);
         let Self { scenario, vehicle, biases, .. } = self;
         let plant = Plant { scenario, vehicle, biases };
-        state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
+        let in_flight = state.contact.is_none();
+        state.drive =
+            state.propulsion.drive(&plant, state.now, &state.command, &state.motion, in_flight);
         if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
             let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);

@@ -55,7 +55,7 @@ pub fn fire(
     asked_b: &Vector3<f64>,
     stuck: Option<RcsStuck>,
 ) -> Firing {
-    let mut firing = Firing::default();
+    let (mut torque_b, mut fired_n_m) = (Vector3::zeros(), 0.0);
     for (axis, modulator) in modulators.iter_mut().enumerate() {
         let max_n_m = rcs.torque_max_b[axis];
         let asked_n_m = asked_b[axis].clamp(-max_n_m, max_n_m);
@@ -68,12 +68,12 @@ pub fn fire(
             let open = if pair.sign > 0.0 { &mut positive_n_m } else { &mut negative_n_m };
             *open = max_n_m;
         }
-        firing.torque_b[axis] = positive_n_m - negative_n_m;
-        // (T.70) Both pairs use propellant, even against each other.
-        let thrust_n = (positive_n_m + negative_n_m) / rcs.lever_arm_m;
-        firing.flow_kg_s += engine::flow_kg_s(thrust_n, rcs.isp_s);
+        torque_b[axis] = positive_n_m - negative_n_m;
+        fired_n_m += positive_n_m + negative_n_m;
     }
-    firing
+    // (T.70) Both pairs of an axis use propellant, even against each other.
+    let flow_kg_s = engine::flow_kg_s(fired_n_m / rcs.lever_arm_m, rcs.isp_s);
+    Firing { torque_b, flow_kg_s }
 }
 
 #[cfg(test)]
