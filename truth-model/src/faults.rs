@@ -37,8 +37,8 @@ impl Damage {
 
     pub fn at(faults: &Faults, engine: &Engine, now: Ticks) -> Self {
         let mut damage = Self::NONE;
-        damage.engine_valves = !faults.engine_shutoff.is_some_and(|fault| now >= fault.onset);
-        damage.gimbal_free = !faults.gimbal_seizure.is_some_and(|fault| now >= fault.onset);
+        damage.engine_valves = faults.engine_shutoff.is_none_or(|fault| now < fault.onset);
+        damage.gimbal_free = faults.gimbal_seizure.is_none_or(|fault| now < fault.onset);
         damage.rcs_stuck = faults.rcs_stuck.filter(|fault| now >= fault.onset);
         if let Some(fault) = faults.power_brownout {
             damage.powered = !during(now, fault.onset, fault.duration);

@@ -20,6 +20,7 @@ pub struct Motion {
     pub attitude_wb: Attitude,
     pub rate_b: Vector3<f64>,
     pub propellant_kg: f64,
+    /// Of the engine's lag; `Drive::thrust_n` is what is delivered.
     pub thrust_n: f64,
     pub gimbal_rad: Vector2<f64>,
     pub slosh: Pendulums,

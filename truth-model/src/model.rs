@@ -148,7 +148,9 @@ impl TruthModel {
         if let Some(angle_rad) = scenario.faults.slosh_onset(state.now) {
             state.motion.slosh.excite(angle_rad, 0.0, 0.0);
         }
-        state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
+        let in_flight = state.contact.is_none();
+        state.drive =
+            state.propulsion.drive(&plant, state.now, &state.command, &state.motion, in_flight);
         if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
             let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);

@@ -97,8 +97,17 @@ impl Command {
 }
 
 impl Propulsion {
-    /// What the vehicle is driven by during tick `now`, for a motion at its start.
-    pub fn drive(&mut self, plant: &Plant, now: Ticks, asked: &Command, motion: &Motion) -> Drive {
+    /// What the vehicle is driven by during tick `now`, for a motion at its start. The
+    /// acceleration noise acts `in_flight` alone: it stands for what the equations of flight miss,
+    /// and a lander that stands still must be able to.
+    pub fn drive(
+        &mut self,
+        plant: &Plant,
+        now: Ticks,
+        asked: &Command,
+        motion: &Motion,
+        in_flight: bool,
+    ) -> Drive {
         let Plant { scenario, vehicle, biases } = *plant;
         let damage = Damage::at(&scenario.faults, &vehicle.engine, now);
         self.command = faults::command_in_force(&scenario.faults, now, asked, &self.command);
@@ -121,7 +130,11 @@ impl Propulsion {
             pointing_error_rad: damage.pointing_rad + biases.pointing_rad + noise.pointing_rad,
             rcs_torque_b: rcs.torque_b,
             other_flow_kg_s: rcs.flow_kg_s + damage.leak_kg_s,
-            disturbance_b: self.disturbance_b(plant, motion),
+            disturbance_b: if in_flight && scenario.disturbances.acceleration_noise_m_s2 > 0.0 {
+                self.disturbance_b(vehicle, motion)
+            } else {
+                Vector3::zeros()
+            },
         }
     }
 
@@ -148,17 +161,15 @@ impl Propulsion {
     }
 
     /// Force of the acceleration noise on the mass at the tick's start (T.67).
-    fn disturbance_b(&self, plant: &Plant, motion: &Motion) -> Vector3<f64> {
-        if plant.scenario.disturbances.acceleration_noise_m_s2 == 0.0 {
-            return Vector3::zeros();
-        }
-        let mass_kg = plant.vehicle.mass.at(motion.propellant_kg).mass_kg;
+    fn disturbance_b(&self, vehicle: &Vehicle, motion: &Motion) -> Vector3<f64> {
+        let mass_kg = vehicle.mass.at(motion.propellant_kg).mass_kg;
         motion.attitude_wb.inverse() * self.noise.acceleration_w * mass_kg
     }
 }
 
 impl Drive {
     /// Thrust and gimbal angles `time_s` into the tick, before errors.
+    #[inline]
     pub fn actuators_after(
         &self,
         vehicle: &Vehicle,
@@ -178,6 +189,7 @@ impl Drive {
     }
 
     /// Wrench at this instant.
+    #[inline]
     pub fn wrench(&self, vehicle: &Vehicle, motion: &Motion, com_b: &Vector3<f64>) -> Wrench {
         if motion.propellant_kg <= 0.0 {
             return Wrench { force_b: self.disturbance_b, torque_b: Vector3::zeros() };
@@ -192,6 +204,7 @@ impl Drive {
     }
 
     /// Propellant flow of the main engine, kg/s (T.64).
+    #[inline]
     pub fn engine_flow_kg_s(&self, vehicle: &Vehicle, motion: &Motion) -> f64 {
         let isp_s = engine::isp_s(&vehicle.engine, motion.thrust_n) * self.isp_factor;
         engine::flow_kg_s(self.thrust_n(motion), isp_s)

@@ -33,6 +33,9 @@ impl Modulator {
         // Half a tick against rounding of the sum.
         let slack = 0.5 * tick;
         self.owed += asked_n_m * TICK_S;
+        if self.owed.is_nan() {
+            return self.owed; // To be found as a diverged run, not to fall silent.
+        }
         if self.fired >= min_pulse && self.sense * self.owed <= slack {
             self.sense = 0.0;
         }
@@ -55,7 +58,7 @@ pub fn fire(
     asked_b: &Vector3<f64>,
     stuck: Option<RcsStuck>,
 ) -> Firing {
-    let mut firing = Firing::default();
+    let (mut torque_b, mut fired_n_m) = (Vector3::zeros(), 0.0);
     for (axis, modulator) in modulators.iter_mut().enumerate() {
         let max_n_m = rcs.torque_max_b[axis];
         let asked_n_m = asked_b[axis].clamp(-max_n_m, max_n_m);
@@ -63,17 +66,18 @@ pub fn fire(
             Some(min_pulse) => modulator.tick(asked_n_m, max_n_m, min_pulse),
             None => asked_n_m,
         };
-        let (mut positive_n_m, mut negative_n_m) = (given_n_m.max(0.0), (-given_n_m).max(0.0));
-        if let Some(pair) = stuck.filter(|pair| pair.axis == axis) {
-            let open = if pair.sign > 0.0 { &mut positive_n_m } else { &mut negative_n_m };
-            *open = max_n_m;
-        }
-        firing.torque_b[axis] = positive_n_m - negative_n_m;
-        // (T.70) Both pairs use propellant, even against each other.
-        let thrust_n = (positive_n_m + negative_n_m) / rcs.lever_arm_m;
-        firing.flow_kg_s += engine::flow_kg_s(thrust_n, rcs.isp_s);
+        (torque_b[axis], fired_n_m) = match stuck.filter(|pair| pair.axis == axis) {
+            None => (given_n_m, fired_n_m + given_n_m.abs()),
+            Some(pair) => {
+                let stuck_n_m = pair.sign * max_n_m;
+                let against_n_m = if pair.sign * given_n_m > 0.0 { 0.0 } else { given_n_m };
+                (stuck_n_m + against_n_m, fired_n_m + max_n_m + against_n_m.abs())
+            }
+        };
     }
-    firing
+    // (T.70) Both pairs of an axis use propellant, even against each other.
+    let flow_kg_s = engine::flow_kg_s(fired_n_m / rcs.lever_arm_m, rcs.isp_s);
+    Firing { torque_b, flow_kg_s }
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub struct Disturbances {
     pub gravity: f64,
     /// As a share of I_sp, once a run.
     pub specific_impulse: f64,
-    /// Of each world axis.
+    /// Of each world axis, in flight.
     pub acceleration_noise_m_s2: f64,
     /// Correlation time of every noise.
     pub correlation_s: f64,
