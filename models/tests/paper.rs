@@ -60,6 +60,37 @@ fn wet_and_dry_rows_are_reproduced_and_the_mid_row_within_0_3_percent() {
 }
 
 #[test]
+fn the_table_gives_the_printed_rows_and_keeps_near_two_bodies() {
+    let text = std::fs::read_to_string(BUG).unwrap();
+    let text = text.replacen("[mass]", "[mass]\nmodel = \"table\"", 1);
+    let table = Vehicle::parse(Path::new(BUG), &text).unwrap().mass;
+    let two_bodies = Vehicle::load(Path::new(BUG)).unwrap().mass;
+    // "20 s" at Earth's weight and 225 s of specific impulse.
+    let mid_kg = 259.5 * (-20.0_f64 / 225.0).exp() - 174.0;
+    for (n, propellant_kg) in [85.5, mid_kg, 0.0].into_iter().enumerate() {
+        let now = table.at(propellant_kg);
+        // The mid row's fill is written to 0.01 kg: 2e-3 kg m² of its slope.
+        close(now.com_b.z, column("com_height_wet_mid_dry", "m")[n], 1e-5);
+        close(now.com_b.x, column("com_lateral_wet_mid_dry", "m")[n], 1e-5);
+        for (key, axis) in [
+            ("inertia_paper_xx_wet_mid_dry", 1),
+            ("inertia_paper_yy_wet_mid_dry", 2),
+            ("inertia_paper_zz_wet_mid_dry", 0),
+        ] {
+            close(now.inertia_b[(axis, axis)], column(key, "kg.m2")[n], 2e-3);
+        }
+        // Moments as in the test above; the two bodies' product of inertia, 0.7 % of a moment, has
+        // no row in the paper.
+        let expected = two_bodies.at(propellant_kg);
+        for axis in 0..3 {
+            let moment = expected.inertia_b[(axis, axis)];
+            close(now.inertia_b[(axis, axis)], moment, if n == 1 { 0.003 * moment } else { 0.05 });
+        }
+        close(now.com_b.z, expected.com_b.z, 0.005);
+    }
+}
+
+#[test]
 fn derived_figures_agree_with_the_printed_ones() {
     let vehicle = Vehicle::load(Path::new(BUG)).unwrap();
     let (mass, engine) = (&vehicle.mass, &vehicle.engine);

@@ -148,6 +148,35 @@ fn engine_and_thruster_data_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn inertia_that_no_body_has_is_refused() {
+    let error = vehicle_error("[126.0, 126.1, 86.5]", "[126.0, 126.1, 286.5]");
+    says(&error, &["bug.toml", "`mass.dry_inertia_b`", "286.5", "sum of the others"]);
+    let products = "dry_products_b = { value = [200.0, 0.0, 0.0], unit = \"kg.m2\", source = \"x\", grade = \"assumed\" }";
+    let error = vehicle_error("[mass]", &format!("[mass]\n{products}"));
+    says(&error, &["`mass.dry_inertia_b`", "greater than 0"]);
+    let error = vehicle_error("[63.43, 0.0, 0.0, 1.45, 136.5", "[63.43, 0.0, 0.0, 1.45, 336.5");
+    says(&error, &["`mass.table`", "row 2", "sum of the others"]);
+    let error = vehicle_error("[63.43, 0.0", "[93.43, 0.0");
+    says(&error, &["`mass.table`", "93.43", "rise from 0", "85.5 kg"]);
+}
+
+#[test]
+fn slosh_that_the_vehicle_cannot_have_is_refused() {
+    let slosh = "[slosh]\nactive = \"on\"\n\n[guidance]";
+    let without = BUG.replacen("[slosh]", "[as_printed.slosh]", 1);
+    let vehicle = Vehicle::parse(Path::new("bug.toml"), &without).unwrap();
+    let text = SCENARIO.replacen("[guidance]", slosh, 1);
+    let error = Scenario::parse(Path::new("landing.toml"), &text, &vehicle).unwrap_err();
+    says(&error.to_string(), &["landing.toml", "`slosh.active`", "BUG", "[slosh]"]);
+    // Bobs so far out that no body could be the rest.
+    let error = vehicle_error("[0.0507, 0.23, 1.6532]", "[0.0507, 3.23, 1.6532]");
+    says(&error, &["`slosh.share`", "0.6", "sum of the others"]);
+    let point = "[0.0507, 0.23, 1.6532], ";
+    let error = vehicle_error(point, &point.repeat(3));
+    says(&error, &["`slosh.hinges_b`", "4 points", "1 to 3"]);
+}
+
+#[test]
 fn a_vehicle_s_number_needs_its_source_and_grade() {
     let error = vehicle_error("source = \"paper, Table III\", ", "");
     says(&error, &["`mass.dry_mass`", "no source"]);
