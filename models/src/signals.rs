@@ -274,7 +274,7 @@ pub const TRUTH: Interface = Interface {
             "imu_specific_force_b",
             3,
             "m/s2",
-            "IMU: mean specific force of its mounting over its last period, body frame half way through",
+            "IMU: mean specific force of its mounting over its last period, mid-period body frame",
         ),
         vector(
             "imu_rate_b",
@@ -299,7 +299,7 @@ pub const TRUTH: Interface = Interface {
             "sensor_valid",
             SENSOR_SLOTS,
             "1",
-            "1: last sample arrived; IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
+            "Last sample arrived: IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
         ),
         vector(
             "sensor_samples",

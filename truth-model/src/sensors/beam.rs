@@ -84,9 +84,10 @@ mod tests {
                 let range_m =
                     range_m(|x, y| slope_x * x + slope_y * y, &origin_w, &direction_w).unwrap();
                 let exact_m = -normal_w.dot(&origin_w) / normal_w.dot(&direction_w);
-                // Heights near 1e3 m have roundings of 1e-13 m; the secant over the last step of
-                // 1 mm magnifies them at most by the shallowest incidence, some 10.
-                assert!((range_m - exact_m).abs() < 1e-11, "{range_m} against {exact_m}");
+                // Ten roundings of coordinates as large as the range, magnified by the incidence.
+                let incidence = -normal_w.dot(&direction_w);
+                let bound_m = 10.0 * f64::EPSILON * exact_m / incidence;
+                assert!((range_m - exact_m).abs() < bound_m, "{range_m} against {exact_m}");
             }
         }
     }
