@@ -77,6 +77,7 @@ impl Verdict<'_> {
                 measured(
                     [r("rest_tilt_deg"), r("rest_heading_change_deg"), r("slide_distance_m")],
                     |[tilt, turn, slid]| {
+                        let turn = turn.abs();
                         format!("tilt {tilt:.1} deg, turned {turn:.1} deg, slid {slid:.2} m")
                     },
                 ),
