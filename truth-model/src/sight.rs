@@ -107,9 +107,17 @@ impl TruthModel {
     /// `before` is the motion before the tick that led to `state` and `touch`.
     pub(crate) fn sight(&self, state: &State, before: &Motion, touch: &Touch) -> Sight {
         let motion = &state.motion;
-        let mass = self.vehicle().mass.at(motion.propellant_kg);
-        let centre_b = self.feet_b(state).sum::<Vector3<f64>>() / state.legs.len() as f64;
-        let footprint_w = motion.point_position_w(&centre_b);
+        let vehicle = self.vehicle();
+        let mass = vehicle.mass.at(motion.propellant_kg);
+        let (mut feet_b, mut bottomed) = (Vector3::zeros(), false);
+        let (mut stroke_m, mut load_n) = (0.0_f64, 0.0_f64);
+        for (leg, now) in vehicle.gear.legs.iter().zip(&state.legs) {
+            feet_b += leg.foot_b + leg.stroke_axis_b * now.stroke_m;
+            bottomed |= now.stroke_m > leg.strut.stroke_max_m - BOTTOMED_GAP_M;
+            stroke_m = stroke_m.max(now.stroke_m * leg.strut_ratio);
+            load_n = load_n.max(now.load_n / leg.strut_ratio);
+        }
+        let footprint_w = motion.point_position_w(&(feet_b / state.legs.len() as f64));
         let com_velocity_w = motion.point_velocity_w(&mass.com_b);
         let gained_w = com_velocity_w - before.point_velocity_w(&mass.com_b);
         let specific_force_w = gained_w / TICK_S + Vector3::z() * self.scenario().gravity_m_s2;
@@ -123,7 +131,6 @@ impl TruthModel {
             rate_rad_s: before.rate_b.norm(),
             footprint_w,
         });
-        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         Sight {
             now: state.now,
             impact,
@@ -132,10 +139,9 @@ impl TruthModel {
             feet_down: touch.feet.iter().filter(|down| **down).count(),
             structure_down: touch.structure,
             clearance_m: self.structure_clearance_m(motion),
-            bottomed: (self.vehicle().gear.legs.iter().zip(&state.legs))
-                .any(|(leg, now)| now.stroke_m > leg.strut.stroke_max_m - BOTTOMED_GAP_M),
-            stroke_m: most(&mut self.struts(state).map(|(stroke_m, _)| stroke_m)),
-            load_n: most(&mut self.struts(state).map(|(_, load_n)| load_n)),
+            bottomed,
+            stroke_m,
+            load_n,
             acceleration_m_s2: specific_force_w.norm(),
             angular_acceleration_rad_s2: (motion.rate_b - before.rate_b).norm() / TICK_S,
             speed_m_s: com_velocity_w.norm(),

@@ -41,44 +41,42 @@ impl TipState {
 /// For each edge: the height that the centre of mass must still climb to stand above the edge,
 /// less the kinetic energy of the rotation about it if the pads of that edge stopped dead now.
 pub fn tip_state(tipping: &Tipping, feet_b: &[Vector3<f64>]) -> TipState {
+    let Tipping { mass_kg, up_b, .. } = *tipping;
+    let spin_b = tipping.inertia_b * tipping.rate_b;
     let mut state = TipState { margin_j: f64::INFINITY, distance_m: f64::INFINITY };
     let next = feet_b.iter().cycle().skip(1);
     for (foot_b, next_b) in feet_b.iter().zip(next) {
-        let Some(edge_b) = (next_b - foot_b).try_normalize(1e-9) else { continue };
+        // Not of unit length: every term below is of degree zero in it.
+        let edge_b = next_b - foot_b;
+        let square = edge_b.norm_squared();
+        if square == 0.0 {
+            continue;
+        }
         let arm_b = tipping.com_b - foot_b;
-        let radius_b = arm_b - edge_b * arm_b.dot(&edge_b);
-        // Level, out of the polygon, as long as the edge's level part.
-        let outward_b = edge_b.cross(&tipping.up_b);
+        // Level, out of the polygon.
+        let outward_b = edge_b.cross(&up_b);
+        let lever_b = edge_b.cross(&arm_b);
         let level = outward_b.norm();
         // (T.20); an upright edge has no such plane: not a number, which `min` leaves out.
         let distance_m = -arm_b.dot(&outward_b) / level;
-        let climb_m = radius_b.norm() * level - radius_b.dot(&tipping.up_b);
-        let barrier_j = tipping.mass_kg * tipping.gravity_m_s2 * climb_m;
+        // (T.14)
+        let height_m = arm_b.dot(&up_b) - arm_b.dot(&edge_b) * edge_b.dot(&up_b) / square;
+        let climb_m = lever_b.norm() * level / square - height_m;
+        let barrier_j = mass_kg * tipping.gravity_m_s2 * climb_m;
         let margin_j = if distance_m < 0.0 {
             -barrier_j
         } else {
-            barrier_j - tipping_energy_j(tipping, &edge_b, &arm_b, &radius_b)
+            // (T.15): rotation about +edge carries a point above the edge outwards.
+            let orbital = lever_b.dot(&tipping.com_velocity_b) * mass_kg;
+            let momentum = (edge_b.dot(&spin_b) + orbital).max(0.0);
+            let inertia =
+                edge_b.dot(&(tipping.inertia_b * edge_b)) + mass_kg * lever_b.norm_squared();
+            barrier_j - momentum * momentum / (2.0 * inertia)
         };
         state.margin_j = state.margin_j.min(margin_j);
         state.distance_m = state.distance_m.min(distance_m);
     }
     state
-}
-
-/// Kinetic energy of the outward rotation about an edge that captures the pads (T.15).
-fn tipping_energy_j(
-    tipping: &Tipping,
-    edge_b: &Vector3<f64>,
-    arm_b: &Vector3<f64>,
-    radius_b: &Vector3<f64>,
-) -> f64 {
-    let spin_b = tipping.inertia_b * tipping.rate_b;
-    let orbital_b = arm_b.cross(&tipping.com_velocity_b) * tipping.mass_kg;
-    // Rotation about +edge carries a point above the edge outwards.
-    let momentum = edge_b.dot(&(spin_b + orbital_b)).max(0.0);
-    let inertia =
-        edge_b.dot(&(tipping.inertia_b * edge_b)) + tipping.mass_kg * radius_b.norm_squared();
-    momentum * momentum / (2.0 * inertia)
 }
 
 /// Static tip angle of a centre of mass `height_m` above and `distance_m` inside an edge or a

@@ -267,7 +267,12 @@ fn contact_hands_back_to_flight_at_lift_off_and_takes_over_again() {
     assert!(state.contact.is_some());
     model.step(&mut state, &full, Ticks(1200)).unwrap();
     assert!(state.contact.is_none() && state.airborne && state.motion.velocity_w.z > 1.0);
-    model.step(&mut state, &[0.0; 6], Ticks(60_000)).unwrap();
+    for _ in 0..60_000 {
+        model.step(&mut state, &[0.0; 6], Ticks(1)).unwrap();
+        if state.touchdown.first.is_some() {
+            break;
+        }
+    }
     assert!(state.touchdown.first.is_some() && state.contact.is_some());
 }
 

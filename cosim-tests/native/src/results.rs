@@ -20,7 +20,8 @@ pub struct Results {
 #[derive(Clone, Debug)]
 struct Entry {
     name: String,
-    value: f64,
+    /// As many as the output has scalars.
+    values: Vec<f64>,
     /// The value's name, where the schedule names the codes of this output.
     code: Option<String>,
 }
@@ -45,9 +46,9 @@ impl Results {
             .results
             .iter()
             .map(|name| {
-                let value = layout.scalar(row, name);
-                let code = schedule.code_name(name, value).map(str::to_owned);
-                Entry { name: name.clone(), value, code }
+                let values = row[layout.columns(name)].to_vec();
+                let code = schedule.code_name(name, values[0]).map(str::to_owned);
+                Entry { name: name.clone(), values, code }
             })
             .collect();
         Ok(Self { scenario: scenario.to_owned(), outcome, end_time_s: row[0], digest, entries })
@@ -58,12 +59,14 @@ impl Results {
         self.outcome == Outcome::InFlight
     }
 
-    /// A result by name; NaN if it was never measured.
+    /// A result by name, the first of several; NaN if it was never measured.
     pub fn value(&self, name: &str) -> f64 {
-        self.entries.iter().find(|entry| entry.name == name).map_or(f64::NAN, |entry| entry.value)
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        entry.map_or(f64::NAN, |entry| entry.values[0])
     }
 
-    /// The results file: one JSON object, a result that was never measured as `null`.
+    /// The results file: one JSON object, a result that was never measured as `null`, one with
+    /// several scalars as a list.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
@@ -75,12 +78,14 @@ impl Serialize for Results {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("scenario", &self.scenario)?;
         for entry in &self.entries {
-            match &entry.code {
-                Some(name) => map.serialize_entry(&entry.name, name)?,
-                None => map.serialize_entry(
-                    &entry.name,
-                    &entry.value.is_finite().then_some(entry.value),
-                )?,
+            let measured = |value: &f64| value.is_finite().then_some(*value);
+            match (&entry.code, entry.values.as_slice()) {
+                (Some(name), _) => map.serialize_entry(&entry.name, name)?,
+                (None, [value]) => map.serialize_entry(&entry.name, &measured(value))?,
+                (None, values) => {
+                    let list: Vec<_> = values.iter().map(measured).collect();
+                    map.serialize_entry(&entry.name, &list)?;
+                }
             }
         }
         map.serialize_entry("interrupted", &self.interrupted())?;

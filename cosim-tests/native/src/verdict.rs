@@ -29,17 +29,24 @@ impl Verdict<'_> {
         match r.outcome {
             Outcome::Landed => "LANDED upright".to_owned(),
             Outcome::Slid => format!(
-                "SLID: upright, but beyond the limit of {} m or still sliding",
+                "SLID: upright, but beyond the limit of {} m or not yet at rest",
                 limits.slide_limit_m
             ),
             Outcome::Tipped => format!("TIPPED OVER at {:.2} s", r.value("tip_time_s")),
-            Outcome::Struck => "STRUCK the ground with its hull or nozzle".to_owned(),
+            Outcome::Struck => format!("STRUCK the ground with its {}", self.struck_parts()),
+            Outcome::Bottomed => "BOTTOMED OUT: upright, but a leg used up its stroke".to_owned(),
             Outcome::Crashed => {
-                format!("CRASHED: first contact above {} m/s", limits.crash_speed_m_s)
+                format!("CRASHED: an impact above {} m/s", limits.crash_speed_m_s)
             }
             Outcome::NoContact => "NO CONTACT: time ran out before a touchdown".to_owned(),
             Outcome::InFlight => "INTERRUPTED: the run ended before its outcome".to_owned(),
         }
+    }
+
+    fn struck_parts(&self) -> String {
+        let flags = [("hull", "hull_struck"), ("nozzle", "nozzle_struck")];
+        let struck = flags.into_iter().filter(|(_, flag)| self.results.value(flag) == 1.0);
+        struck.map(|(part, _)| part).collect::<Vec<_>>().join(" and ")
     }
 
     /// A line for each thing that was measured.
@@ -67,9 +74,13 @@ impl Verdict<'_> {
             ),
             (
                 end,
-                measured([r("rest_tilt_deg"), r("slide_distance_m")], |[tilt, slid]| {
-                    format!("tilt {tilt:.1} deg, slid {slid:.2} m")
-                }),
+                measured(
+                    [r("rest_tilt_deg"), r("rest_heading_change_deg"), r("slide_distance_m")],
+                    |[tilt, turn, slid]| {
+                        let turn = turn.abs();
+                        format!("tilt {tilt:.1} deg, turned {turn:.1} deg, slid {slid:.2} m")
+                    },
+                ),
             ),
             (
                 "legs",
@@ -79,8 +90,24 @@ impl Verdict<'_> {
                 }),
             ),
             (
+                "peak load",
+                measured(
+                    [r("peak_acceleration_m_s2"), r("peak_angular_acceleration_rad_s2")],
+                    |[linear, angular]| format!("{linear:.1} m/s2, {angular:.1} rad/s2"),
+                ),
+            ),
+            (
+                "clearance",
+                measured(
+                    [r("least_hull_clearance_m"), r("least_nozzle_clearance_m")],
+                    |[hull, nozzle]| format!("hull {hull:.2} m, nozzle {nozzle:.2} m at the least"),
+                ),
+            ),
+            (
                 "tip-over margin",
-                measured([r("tip_energy_margin_j")], |[margin]| format!("{margin:.0} J")),
+                measured([r("tip_energy_margin_j"), r("stability_distance_m")], |[margin, d]| {
+                    format!("{margin:.0} J, {d:.2} m inside the footprint at the least")
+                }),
             ),
             (
                 "position",

@@ -60,6 +60,8 @@ fn rows(count: u32, outcome: Outcome, down_m_s: f64, across_m_s: f64) -> Vec<u8>
     row[layout.columns("contact_speed_down_m_s")][0] = down_m_s;
     row[layout.columns("contact_speed_across_m_s")][0] = across_m_s;
     row[layout.columns("tip_time_s")][0] = f64::NAN;
+    row[layout.columns("foot_contact_time_s")][4..].fill(f64::NAN);
+    row[layout.columns("nozzle_struck")][0] = 1.0;
     row[layout.columns("outcome")][0] = outcome.code();
     let mut bytes = Vec::new();
     for index in 0..count {
@@ -82,6 +84,8 @@ fn rows_become_a_log_and_results() {
     assert_eq!(results["interrupted"], false);
     assert_eq!(results["end_time_s"], 0.04);
     assert!(results["tip_time_s"].is_null(), "NaN has no JSON number");
+    let feet = serde_json::json!([0.0, 0.0, 0.0, 0.0, null, null]);
+    assert_eq!(results["foot_contact_time_s"], feet);
 }
 
 #[test]
@@ -243,6 +247,14 @@ fn only_a_landing_is_said_to_be_at_rest() {
         assert_eq!(verdict.contains("  at rest "), at_rest, "{verdict}");
         assert_eq!(verdict.contains("  at the end "), !at_rest, "{verdict}");
     }
+}
+
+#[test]
+fn a_strike_names_the_part() {
+    let out = empty_folder("struck");
+    let printed = record(&out, &[], &rows(1, Outcome::Struck, 1.0, 0.1)).stdout;
+    let verdict = String::from_utf8(printed).unwrap();
+    assert!(verdict.starts_with("STRUCK the ground with its nozzle ("), "{verdict}");
 }
 
 #[test]

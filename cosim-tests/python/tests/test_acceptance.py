@@ -26,6 +26,25 @@ def check_touchdown(results):
     assert results["dead_zone_time_s"] == 0.0
     # Positive: no edge was ever within reach of the energy on board.
     assert results["tip_energy_margin_j"] > 0.0
+    assert results["stability_distance_m"] > 0.0
+    assert results["least_hull_clearance_m"] > 0.0 and results["least_nozzle_clearance_m"] > 0.0
+    assert results["hull_struck"] == results["nozzle_struck"] == results["leg_bottomed"] == 0.0
+
+
+def test_each_foot_has_its_first_contact_and_the_margins_their_course(landing, landing_table):
+    results = landing.results
+    times = results["foot_contact_time_s"]
+    assert min(times[:FEET]) == results["contact_time_s"] and times[FEET:] == [None, None]
+    speeds = results["foot_contact_speed_normal_m_s"]
+    assert all(0.0 < speed <= 2.5 for speed in speeds[:FEET])
+    # Before contact there is nothing to tip over; from then on the least value is the least.
+    touched = landing_table["time_s"] > results["contact_time_s"]
+    for now, least in [
+        ("tip_margin_now_j", "tip_energy_margin_j"),
+        ("stability_distance_now_m", "stability_distance_m"),
+    ]:
+        assert np.isnan(landing_table[now][~touched]).all()
+        assert landing_table[now][touched].min() >= results[least]
 
 
 def test_the_default_landing(landing, landing_table):

@@ -163,7 +163,9 @@ impl Touchdown {
         }
         self.unsupported_since.get_or_insert(sight.now);
         self.outside += Ticks(1);
-        sight.structure_down.any() || self.outside > TIP_TIME || is_head_down(&sight.attitude_wb)
+        sight.structure_down.any()
+            || self.outside > TIP_TIME
+            || (self.first.is_some() && is_head_down(&sight.attitude_wb))
     }
 
     /// The run's time is up: the same questions, with what is known by now.

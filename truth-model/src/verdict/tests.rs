@@ -153,7 +153,12 @@ fn in_the_air_only_a_vehicle_that_goes_head_down_has_tipped() {
     let mut flying = Touchdown::default();
     let upside_down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 3.0);
     flying.look_in_flight(Ticks(1), false, &upside_down);
+    // Nor is an approach that has not touched yet.
+    let near = Sight { tip: OVER, attitude_wb: upside_down, feet_down: 0, ..standing() };
+    flying.look(&LIMITS, &near);
     assert!(!flying.decided());
+    flying.look(&LIMITS, &Sight { impact: impact(1.0), ..near });
+    assert_eq!(flying.outcome, Outcome::Tipped);
 }
 
 /// Sights, one a tick, of a slide that starts from rest with this acceleration.
