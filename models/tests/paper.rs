@@ -63,7 +63,7 @@ fn derived_figures_agree_with_the_printed_ones() {
     let vehicle = Vehicle::load(Path::new(BUG)).unwrap();
     let (mass, engine) = (&vehicle.mass, &vehicle.engine);
     let diameter_m = number("footprint_diameter", "m");
-    for foot_b in &vehicle.gear.feet_b {
+    for foot_b in vehicle.gear.feet_b() {
         close(2.0 * foot_b.xy().norm(), diameter_m, 1e-6);
     }
     close(mass.wet_mass_kg(), number("wet_mass", "kg"), 0.05);

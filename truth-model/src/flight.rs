@@ -6,7 +6,7 @@ use lander_models::frames::Attitude;
 use nalgebra::{Quaternion, SVector, UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::engine;
+use crate::propulsion::{Drive, Wrench};
 
 /// Motion and what moves it. Position and velocity are those of the structural origin O,
 /// so a migrating centre of mass moves nothing by itself.
@@ -19,22 +19,6 @@ pub struct Motion {
     pub propellant_kg: f64,
     pub thrust_n: f64,
     pub gimbal_rad: Vector2<f64>,
-}
-
-/// What drives the vehicle during one tick, held constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Drive {
-    pub thrust_target_n: f64,
-    pub gimbal_target_rad: Vector2<f64>,
-    pub rcs_torque_b: Vector3<f64>,
-}
-
-/// Force and torque of the propulsion on the vehicle.
-#[derive(Clone, Copy, Debug)]
-pub struct Wrench {
-    pub force_b: Vector3<f64>,
-    /// About the centre of mass.
-    pub torque_b: Vector3<f64>,
 }
 
 /// The integrated part: position, velocity, quaternion, rate, propellant.
@@ -82,65 +66,32 @@ impl Motion {
     }
 }
 
-/// Propulsion at this instant. Dry tanks give nothing, whatever the lag still says.
-pub fn propulsion(vehicle: &Vehicle, motion: &Motion, drive: &Drive) -> Wrench {
-    if motion.propellant_kg <= 0.0 {
-        return Wrench { force_b: Vector3::zeros(), torque_b: Vector3::zeros() };
-    }
-    let com_b = vehicle.mass.at(motion.propellant_kg).com_b;
-    let force_b = engine::thrust_direction_b(motion.gimbal_rad) * motion.thrust_n;
-    let torque_b = (vehicle.engine.pivot_b - com_b).cross(&force_b) + drive.rcs_torque_b;
-    Wrench { force_b, torque_b }
-}
-
-/// Propellant flow of engine and thrusters, kg/s (T.7).
-pub fn propellant_flow_kg_s(vehicle: &Vehicle, motion: &Motion, drive: &Drive) -> f64 {
-    if motion.propellant_kg <= 0.0 {
-        return 0.0;
-    }
-    let rcs_thrust_n = drive.rcs_torque_b.abs().sum() / vehicle.rcs.lever_arm_m;
-    engine::flow_kg_s(motion.thrust_n, vehicle.engine.isp_s)
-        + engine::flow_kg_s(rcs_thrust_n, vehicle.rcs.isp_s)
-}
-
-/// Thrust and gimbal angles `time_s` into a tick.
-pub fn actuators_after(
-    vehicle: &Vehicle,
-    motion: &Motion,
-    drive: &Drive,
-    time_s: f64,
-) -> (f64, Vector2<f64>) {
-    let engine = &vehicle.engine;
-    (
-        engine::thrust_after_n(engine, motion.thrust_n, drive.thrust_target_n, time_s),
-        engine::gimbal_after_rad(engine, motion.gimbal_rad, drive.gimbal_target_rad, time_s),
-    )
-}
-
 /// Time derivative of the packed state, for the motion that it was packed from.
 fn derivative(
     vehicle: &Vehicle,
-    gravity_m_s2: f64,
+    gravity_w: &Vector3<f64>,
     drive: &Drive,
     x: &Packed,
     motion: &Motion,
+    outside: &Wrench,
 ) -> Packed {
     let mass = vehicle.mass.at(motion.propellant_kg.max(0.0));
-    let wrench = propulsion(vehicle, motion, drive);
+    let wrench = drive.wrench(vehicle, motion, &mass.com_b);
     let rate_b = motion.rate_b;
 
     // (T.2) Euler's equation about the centre of mass.
     let gyroscopic_b = rate_b.cross(&(mass.inertia_b * rate_b));
     // A vehicle file admits only positive moments, so the tensor is invertible.
     let inverse_inertia_b = mass.inertia_b.try_inverse().unwrap_or_default();
-    let angular_acceleration_b = inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
+    let torque_b = wrench.torque_b + outside.torque_b;
+    let angular_acceleration_b = inverse_inertia_b * (torque_b - gyroscopic_b);
 
     // (T.1) Acceleration of O from that of the centre of mass.
-    let com_acceleration_b = wrench.force_b / mass.mass_kg;
+    let com_acceleration_b = (wrench.force_b + outside.force_b) / mass.mass_kg;
     let origin_acceleration_b = com_acceleration_b
         - angular_acceleration_b.cross(&mass.com_b)
         - rate_b.cross(&rate_b.cross(&mass.com_b));
-    let acceleration_w = motion.attitude_wb * origin_acceleration_b - Vector3::z() * gravity_m_s2;
+    let acceleration_w = motion.attitude_wb * origin_acceleration_b + gravity_w;
 
     // (T.3) Quaternion kinematics on the raw, unnormalised quaternion of the stage.
     let q = Quaternion::from_vector(x.fixed_rows::<4>(6).into());
@@ -151,24 +102,29 @@ fn derivative(
     dx.fixed_rows_mut::<3>(3).copy_from(&acceleration_w);
     dx.fixed_rows_mut::<4>(6).copy_from(&q_dot.coords);
     dx.fixed_rows_mut::<3>(10).copy_from(&angular_acceleration_b);
-    dx[13] = -propellant_flow_kg_s(vehicle, motion, drive);
+    dx[13] = -drive.flow_kg_s(vehicle, motion);
     dx
 }
 
-/// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8).
+/// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8). `outside` is the wrench
+/// of whatever else acts on the vehicle in a given motion: nothing in free flight, the ground in
+/// contact.
 pub fn advance(
     vehicle: &Vehicle,
-    gravity_m_s2: f64,
+    gravity_w: &Vector3<f64>,
     motion: &Motion,
     drive: &Drive,
     step_s: f64,
+    outside: impl Fn(&Motion) -> Wrench,
 ) -> Motion {
     let unpack = |x: &Packed, time_s: f64| {
-        let (thrust_n, gimbal_rad) = actuators_after(vehicle, motion, drive, time_s);
+        let (thrust_n, gimbal_rad) = drive.actuators_after(vehicle, motion, time_s);
         Motion::unpack(x, thrust_n, gimbal_rad)
     };
-    let f =
-        |x: &Packed, time_s: f64| derivative(vehicle, gravity_m_s2, drive, x, &unpack(x, time_s));
+    let f = |x: &Packed, time_s: f64| {
+        let stage = unpack(x, time_s);
+        derivative(vehicle, gravity_w, drive, x, &stage, &outside(&stage))
+    };
     let x = motion.pack();
     let half_s = 0.5 * step_s;
     let k1 = f(&x, 0.0);
@@ -178,4 +134,9 @@ pub fn advance(
     let mut next = unpack(&(x + (k1 + (k2 + k3) * 2.0 + k4) * (step_s / 6.0)), step_s);
     next.propellant_kg = next.propellant_kg.max(0.0);
     next
+}
+
+/// Free flight: nothing acts from outside.
+pub fn free(_: &Motion) -> Wrench {
+    Wrench::default()
 }

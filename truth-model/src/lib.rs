@@ -6,6 +6,8 @@ pub mod contact;
 pub mod engine;
 pub mod flight;
 pub mod gear;
+pub mod propulsion;
+pub mod random;
 pub mod stability;
 pub mod terrain;
 pub mod verdict;

@@ -9,10 +9,12 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{ContactWorld, Touch};
+use crate::contact::{Contact, Site};
 use crate::engine;
-use crate::flight::{self, Drive, Motion};
-use crate::gear::Leg;
+use crate::flight::{self, Motion};
+use crate::gear::LegState;
+use crate::propulsion::{Command, Drive};
+use crate::terrain::Ground;
 use crate::verdict::Touchdown;
 
 /// The contact engine takes over when the lowest point may be this close, m, plus what two ticks
@@ -31,8 +33,10 @@ const START_SPEED_M_S: f64 = 1e-3;
 /// Constant configuration.
 #[derive(Clone, Debug)]
 pub struct TruthModel {
-    pub scenario: Scenario,
-    pub vehicle: Vehicle,
+    scenario: Scenario,
+    vehicle: Vehicle,
+    /// The scenario's terrain, made ready for queries.
+    ground: Ground,
 }
 
 /// All that a bit-exact restart needs.
@@ -40,9 +44,11 @@ pub struct TruthModel {
 pub struct State {
     pub now: Ticks,
     pub motion: Motion,
+    pub command: Command,
+    /// What the command came to in the last tick.
     pub drive: Drive,
-    pub legs: Vec<Leg>,
-    pub contact: Option<ContactWorld>,
+    pub legs: Vec<LegState>,
+    pub contact: Option<Contact>,
     pub feet_down: Vec<bool>,
     /// Has been clear of the ground, so the next contact is a touchdown.
     pub airborne: bool,
@@ -54,13 +60,33 @@ pub struct State {
 
 impl TruthModel {
     pub fn new(scenario: Scenario, vehicle: Vehicle) -> Self {
-        Self { scenario, vehicle }
+        let ground = Ground::new(&scenario.terrain);
+        Self { scenario, vehicle, ground }
+    }
+
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    /// What contact engines work on.
+    pub fn site(&self) -> Site<'_> {
+        let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
+        let Self { scenario, vehicle, ground } = self;
+        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w }
     }
 
     /// State at t = 0.
     pub fn initial_state(&self) -> State {
         let start = &self.scenario.initial;
-        let feet = self.vehicle.gear.feet_b.len();
+        let feet = self.vehicle.gear.legs.len();
         let motion = Motion {
             position_w: start.position_w,
             velocity_w: start.velocity_w,
@@ -73,8 +99,9 @@ impl TruthModel {
         let mut state = State {
             now: Ticks::ZERO,
             motion,
+            command: Command::default(),
             drive: Drive::default(),
-            legs: vec![Leg::default(); feet],
+            legs: vec![LegState::default(); feet],
             contact: None,
             feet_down: vec![false; feet],
             airborne: false,
@@ -92,21 +119,26 @@ impl TruthModel {
     pub fn tick(&self, state: &mut State) -> Result<StepReport, ModelError> {
         let limits = &self.scenario.touchdown;
         let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
+        let site = self.site();
         self.choose_engine(state);
-        if let Some(mut world) = state.contact.take() {
+        state.drive = Drive::of(&self.scenario, &self.vehicle, &state.command);
+        if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
-            let touch = self.contact_tick(&mut world, state)?;
+            let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);
+            let touch = touch.ok_or_else(|| diverged(state, "a body in contact"))?;
             let sight = self.sight(state, &before, &touch);
-            state.contact = Some(world);
+            state.contact = Some(contact);
             state.touchdown.look(limits, &sight);
             state.feet_down = touch.feet;
         } else {
+            let Site { vehicle, gravity_w, .. } = site;
             state.motion = flight::advance(
-                &self.vehicle,
-                self.scenario.gravity_m_s2,
+                vehicle,
+                &gravity_w,
                 &state.motion,
                 &state.drive,
                 TICK_S,
+                flight::free,
             );
         }
         state.now += Ticks(1);
@@ -122,56 +154,22 @@ impl TruthModel {
         })
     }
 
-    /// Propulsion and mass go on while the contact engine owns the motion.
-    fn contact_tick(
-        &self,
-        world: &mut ContactWorld,
-        state: &mut State,
-    ) -> Result<Touch, ModelError> {
-        let motion = &mut state.motion;
-        let wrench = flight::propulsion(&self.vehicle, motion, &state.drive);
-        let touch = world.step(&self.vehicle, motion, &mut state.legs, &wrench);
-        let flow_kg_s = flight::propellant_flow_kg_s(&self.vehicle, motion, &state.drive);
-        motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
-        (motion.thrust_n, motion.gimbal_rad) =
-            flight::actuators_after(&self.vehicle, motion, &state.drive, TICK_S);
-        touch.ok_or_else(|| diverged(state, "a body in contact"))
-    }
-
     fn choose_engine(&self, state: &mut State) {
         let lowest_m = self.lowest_m(state);
         state.airborne |= lowest_m > AIRBORNE_GAP_M;
         let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();
         if state.contact.is_none() && lowest_m < near_m {
-            state.contact = Some(ContactWorld::take_over(
-                &self.vehicle,
-                &self.scenario.terrain,
-                self.scenario.gravity_m_s2,
-                &state.motion,
-                &state.legs,
-            ));
+            let choice = self.scenario.contact_engine;
+            let (motion, legs) = (&state.motion, &state.legs);
+            state.contact = Some(Contact::take_over(choice, &self.site(), motion, legs));
         } else if state.contact.is_some() && lowest_m > HAND_BACK_GAP_M.max(2.0 * near_m) {
             // Off the ground the struts spring back to their crushed length.
             state.contact = None;
             state.feet_down.fill(false);
             for leg in &mut state.legs {
-                *leg = Leg { stroke_m: leg.crushed_m, load_n: 0.0, ..*leg };
+                *leg = LegState { stroke_m: leg.crushed_m, load_n: 0.0, ..*leg };
             }
         }
-    }
-
-    fn take_commands(&self, state: &mut State, inputs: &[f64]) {
-        let (engine, rcs) = (&self.vehicle.engine, &self.vehicle.rcs);
-        // Order of the truth's inputs in the signal table.
-        let [thrust_n, gimbal_x, gimbal_y, torque_x, torque_y, torque_z] =
-            std::array::from_fn(|n| inputs[n]);
-        let limit = rcs.torque_max_b;
-        state.drive = Drive {
-            thrust_target_n: engine::thrust_target_n(engine, self.scenario.ignition, thrust_n),
-            gimbal_target_rad: engine::gimbal_target_rad(engine, Vector2::new(gimbal_x, gimbal_y)),
-            rcs_torque_b: Vector3::new(torque_x, torque_y, torque_z)
-                .zip_map(&limit, |t, max| t.clamp(-max, max)),
-        };
     }
 }
 
@@ -208,7 +206,7 @@ impl Component for TruthModel {
         }
         let start = state.now;
         let start_velocity_w = self.com_velocity_w(&state.motion);
-        self.take_commands(state, inputs);
+        state.command = Command::from_inputs(inputs);
         let mut report = StepReport::default();
         while state.now.0 < start.0 + duration.0 && !report.terminate {
             let tick = self.tick(state)?;

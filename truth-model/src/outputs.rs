@@ -4,7 +4,6 @@ use lander_models::frames::{attitude_to_wxyz, tilt_rad};
 use lander_models::signals::FOOT_SLOTS;
 
 use crate::model::{State, TruthModel};
-use crate::terrain;
 
 impl TruthModel {
     pub(crate) fn write_outputs(&self, state: &State, outputs: &mut [f64]) {
@@ -18,7 +17,7 @@ impl TruthModel {
     /// Hands every output to `put`, in table order.
     fn visit_outputs(&self, state: &State, put: &mut dyn FnMut(&'static str, &[f64])) {
         let motion = &state.motion;
-        let mass = self.vehicle.mass.at(motion.propellant_kg);
+        let mass = self.vehicle().mass.at(motion.propellant_kg);
         let touchdown = &state.touchdown;
         let first = touchdown.first.as_ref();
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
@@ -30,7 +29,7 @@ impl TruthModel {
             }
             slots
         };
-        let error_w = motion.position_w - self.scenario.guidance.target_w;
+        let error_w = motion.position_w - self.scenario().guidance.target_w;
         let tilt_deg = tilt_rad(&motion.attitude_wb).to_degrees();
         let ended = touchdown.decided() && first.is_some();
         let flight_time = first.map_or(state.now, |contact| contact.time);
@@ -43,7 +42,8 @@ impl TruthModel {
         put("rate_b", motion.rate_b.as_slice());
         put("specific_force_b", state.specific_force_b.as_slice());
         put("mass_kg", &[mass.mass_kg]);
-        let altimeter_m = terrain::height_m(&self.scenario.terrain, &motion.position_w);
+        let altimeter_m =
+            motion.position_w.z - self.ground().height_m(motion.position_w.x, motion.position_w.y);
         put("altimeter_m", &[altimeter_m]);
         put("foot_contact", &per_foot(&mut state.feet_down.iter().map(|on| flag(*on))));
         put("propellant_kg", &[motion.propellant_kg]);
@@ -52,8 +52,8 @@ impl TruthModel {
         put("rcs_torque_b", (state.drive.rcs_torque_b * fed).as_slice());
         put("com_b", mass.com_b.as_slice());
         put("tilt_deg", &[tilt_deg]);
-        put("foot_stroke_m", &per_foot(&mut state.legs.iter().map(|leg| leg.stroke_m)));
-        put("foot_load_n", &per_foot(&mut state.legs.iter().map(|leg| leg.load_n)));
+        put("foot_stroke_m", &per_foot(&mut self.struts(state).map(|strut| strut.0)));
+        put("foot_load_n", &per_foot(&mut self.struts(state).map(|strut| strut.1)));
         put("foot_clearance_m", &per_foot(&mut self.foot_clearances_m(state)));
         put("contact_active", &[flag(state.contact.is_some())]);
         put("outcome", &[touchdown.outcome.code()]);
@@ -70,7 +70,7 @@ impl TruthModel {
         put("tip_energy_margin_j", &[or_nan(touchdown.margin_j)]);
         put("tip_time_s", &[or_nan(touchdown.tip_time().map(|time| time.seconds()))]);
         put("slide_distance_m", &[or_nan(first.map(|_| touchdown.slide_m))]);
-        let used_kg = self.scenario.initial.propellant_kg - motion.propellant_kg;
+        let used_kg = self.scenario().initial.propellant_kg - motion.propellant_kg;
         put("propellant_used_kg", &[used_kg]);
         put("flight_time_s", &[flight_time.seconds()]);
         put("dead_zone_time_s", &[state.dead_zone.seconds()]);

@@ -7,7 +7,6 @@ use crate::contact::Touch;
 use crate::flight::Motion;
 use crate::model::{State, TruthModel};
 use crate::stability::{Tipping, tip_state};
-use crate::terrain;
 use crate::verdict::{Impact, Sight};
 
 /// A strut within this of its stop has no stroke left, m: the stop gives by as much under load.
@@ -16,23 +15,28 @@ const BOTTOMED_GAP_M: f64 = 1e-4;
 impl TruthModel {
     /// Pads' ground points from O at the struts' present length.
     pub fn feet_b<'a>(&'a self, state: &'a State) -> impl Iterator<Item = Vector3<f64>> + 'a {
-        let legs = state.legs.iter();
-        self.vehicle.gear.feet_b.iter().zip(legs).map(|(f, leg)| f + Vector3::z() * leg.stroke_m)
+        let legs = self.vehicle().gear.legs.iter().zip(&state.legs);
+        legs.map(|(leg, now)| leg.foot_b + leg.stroke_axis_b * now.stroke_m)
+    }
+
+    /// Compression and axial load of each primary strut, m and N.
+    pub fn struts<'a>(&'a self, state: &'a State) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let legs = self.vehicle().gear.legs.iter().zip(&state.legs);
+        legs.map(|(leg, now)| (now.stroke_m * leg.strut_ratio, now.load_n / leg.strut_ratio))
     }
 
     /// Clearance of each pad, m.
     pub fn foot_clearances_m<'a>(&'a self, state: &'a State) -> impl Iterator<Item = f64> + 'a {
-        let radius_m = self.vehicle.gear.pad_radius_m;
+        let radius_m = self.vehicle().gear.pad_radius_m;
         self.feet_b(state).map(move |foot_b| {
             let centre_w = state.motion.point_position_w(&(foot_b + Vector3::z() * radius_m));
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - radius_m
+            self.ground().nearest(&centre_w).clearance_m - radius_m
         })
     }
 
     /// Clearance of the lowest point of pads, hull and nozzle, m.
     pub fn lowest_m(&self, state: &State) -> f64 {
-        let (hull, engine) = (&self.vehicle.hull, &self.vehicle.engine);
-        let normal_b = state.motion.attitude_wb.inverse() * self.scenario.terrain.normal_w();
+        let (hull, engine) = (&self.vehicle().hull, &self.vehicle().engine);
         let rims = [
             (hull.bottom_height_m, hull.radius_m),
             (hull.top_height_m, hull.radius_m),
@@ -40,16 +44,17 @@ impl TruthModel {
         ]
         .map(|(height_m, radius_m)| {
             let centre_w = state.motion.point_position_w(&(Vector3::z() * height_m));
+            let under = self.ground().nearest(&centre_w);
             // The lowest point of a disc across the body's axis.
-            let drop_m = radius_m * normal_b.xy().norm();
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - drop_m
+            let normal_b = state.motion.attitude_wb.inverse() * under.normal_w;
+            under.clearance_m - radius_m * normal_b.xy().norm()
         });
         self.foot_clearances_m(state).chain(rims).fold(f64::INFINITY, f64::min)
     }
 
     /// Velocity of the centre of mass, world frame.
     pub fn com_velocity_w(&self, motion: &Motion) -> Vector3<f64> {
-        motion.point_velocity_w(&self.vehicle.mass.at(motion.propellant_kg).com_b)
+        motion.point_velocity_w(&self.vehicle().mass.at(motion.propellant_kg).com_b)
     }
 
     /// `before` is the motion before the tick that led to `state` and `touch`.
@@ -68,7 +73,7 @@ impl TruthModel {
             rate_rad_s: before.rate_b.norm(),
             footprint_w,
         });
-        let mass = self.vehicle.mass.at(motion.propellant_kg);
+        let mass = self.vehicle().mass.at(motion.propellant_kg);
         let rotation = motion.attitude_wb.to_rotation_matrix();
         let tipping = Tipping {
             mass_kg: mass.mass_kg,
@@ -76,19 +81,19 @@ impl TruthModel {
             com_velocity_w: self.com_velocity_w(motion),
             rate_w: motion.attitude_wb * motion.rate_b,
             inertia_w: rotation * mass.inertia_b * rotation.inverse(),
-            gravity_m_s2: self.scenario.gravity_m_s2,
+            gravity_m_s2: self.scenario().gravity_m_s2,
         };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let stroke_m = most(&mut state.legs.iter().map(|leg| leg.stroke_m));
         Sight {
             now: state.now,
             impact,
             tip: tip_state(&tipping, &feet_w),
             feet_down: touch.feet.iter().filter(|down| **down).count(),
             structure_down: touch.structure,
-            bottomed: stroke_m > self.vehicle.gear.stroke_max_m - BOTTOMED_GAP_M,
-            stroke_m,
-            load_n: most(&mut state.legs.iter().map(|leg| leg.load_n)),
+            bottomed: (self.vehicle().gear.legs.iter().zip(&state.legs))
+                .any(|(leg, now)| now.stroke_m > leg.strut.stroke_max_m - BOTTOMED_GAP_M),
+            stroke_m: most(&mut self.struts(state).map(|(stroke_m, _)| stroke_m)),
+            load_n: most(&mut self.struts(state).map(|(_, load_n)| load_n)),
             speed_m_s: tipping.com_velocity_w.norm(),
             rate_rad_s: motion.rate_b.norm(),
             footprint_w,

@@ -5,17 +5,18 @@ mod common;
 use common::{GRAVITY_M_S2, bug, on_plane};
 use lander_models::vehicle::G0_M_S2;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
-use truth_model::flight::{Drive, Motion, advance};
+use truth_model::flight::{Motion, advance, free};
+use truth_model::propulsion::Drive;
 
 fn aloft(propellant_kg: f64) -> Motion {
-    let mut motion = on_plane(bug(), propellant_kg).initial_state().motion;
+    let mut motion = on_plane(bug(), propellant_kg).model().initial_state().motion;
     motion.position_w.z = 1e4;
     motion
 }
 
 fn fly(motion: &Motion, drive: &Drive, gravity_m_s2: f64, step_s: f64, steps: usize) -> Motion {
-    let vehicle = bug();
-    (0..steps).fold(*motion, |m, _| advance(&vehicle, gravity_m_s2, &m, drive, step_s))
+    let (vehicle, gravity_w) = (bug(), Vector3::z() * -gravity_m_s2);
+    (0..steps).fold(*motion, |m, _| advance(&vehicle, &gravity_w, &m, drive, step_s, free))
 }
 
 /// Angular momentum about the centre of mass, world frame.
@@ -51,7 +52,8 @@ fn the_rocket_equation_holds_over_a_long_burn() {
     balanced.mass.dry.com_b = Vector3::new(0.0, 0.0, 1.38);
     balanced.mass.propellant.com_b = Vector3::new(0.0, 0.0, 1.65);
     let drive = Drive { thrust_target_n: thrust_n, ..Drive::default() };
-    let end = (0..30_000).fold(start, |m, _| advance(&balanced, 0.0, &m, &drive, 1e-3));
+    let end = (0..30_000)
+        .fold(start, |m, _| advance(&balanced, &Vector3::zeros(), &m, &drive, 1e-3, free));
     let (m0, m1) = (vehicle.mass.wet_mass_kg(), vehicle.mass.dry.mass_kg + end.propellant_kg);
     let burnt_kg = thrust_n / (225.0 * G0_M_S2) * 30.0;
     assert!((m0 - m1 - burnt_kg).abs() < 1e-9 * burnt_kg);

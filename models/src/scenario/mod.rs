@@ -1,0 +1,86 @@
+//! The scenario file: site, initial state, terrain, guidance settings, touchdown limits.
+
+mod contact;
+mod guidance;
+mod initial;
+mod terrain;
+mod touchdown;
+
+use std::path::{Path, PathBuf};
+
+pub use contact::ContactEngine;
+pub use guidance::{Guidance, GuidanceMode};
+pub use initial::Initial;
+pub use terrain::Terrain;
+pub use touchdown::TouchdownLimits;
+
+use crate::quantity::{ConfigError, Limit, Section};
+use crate::time::Ticks;
+use crate::vehicle::Vehicle;
+
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    pub name: String,
+    pub gravity_m_s2: f64,
+    pub terrain: Terrain,
+    pub contact_engine: ContactEngine,
+    pub initial: Initial,
+    pub ignition: Ignition,
+    pub guidance: Guidance,
+    pub touchdown: TouchdownLimits,
+    pub stop_time: Ticks,
+    /// Of all random draws: noise, bias, rocks.
+    pub seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ignition {
+    Nominal,
+    /// The engine never lights, whatever is commanded.
+    Never,
+}
+
+impl Scenario {
+    /// Reads a scenario and the vehicle that it names (relative to the scenario's folder).
+    pub fn load(file: &Path) -> Result<(Self, Vehicle), ConfigError> {
+        let root = Section::read(file, false)?;
+        let named = PathBuf::from(root.text("vehicle")?);
+        let vehicle = Vehicle::load(&file.parent().unwrap_or(Path::new("")).join(named))?;
+        Ok((Self::from_section(root, &vehicle)?, vehicle))
+    }
+
+    /// As `load`, from text in memory, with the vehicle given.
+    pub fn parse(file: &Path, text: &str, vehicle: &Vehicle) -> Result<Self, ConfigError> {
+        Self::from_section(Section::parse(file, text, false)?, vehicle)
+    }
+
+    fn from_section(root: Section, vehicle: &Vehicle) -> Result<Self, ConfigError> {
+        root.text("vehicle")?;
+        let site = root.section("site")?;
+        let run = root.section("run")?;
+        let engine = root.optional_section("engine")?;
+        let stop_s = run.number("stop_time", "s", Limit::Within(0.001, 1e6))?;
+        let scenario = Self {
+            name: root.text("name")?,
+            gravity_m_s2: site.number("gravity", "m/s2", Limit::Positive)?,
+            terrain: terrain::read(&root)?,
+            contact_engine: contact::read(&root)?,
+            initial: initial::read(&root, vehicle)?,
+            ignition: match engine.choice("ignition", &["nominal", "never"])? {
+                "never" => Ignition::Never,
+                _ => Ignition::Nominal,
+            },
+            guidance: guidance::read(&root, vehicle)?,
+            touchdown: touchdown::read(&root)?,
+            // Whole numbers up to 2^53 are exact in a file's f64.
+            seed: run.number_or("seed", "1", Limit::Within(0.0, 9.007e15), 0.0)? as u64,
+            stop_time: Ticks::from_seconds(stop_s)
+                .map_err(|error| run.error("stop_time", error.to_string()))?,
+        };
+        for section in [site, run, engine] {
+            section.finish()?;
+        }
+        root.finish()?;
+        Ok(scenario)
+    }
+}

@@ -1,0 +1,57 @@
+//! The vehicle file: every number with unit, source and grade.
+
+mod engine;
+mod gear;
+mod hull;
+mod mass;
+mod rcs;
+
+use std::path::Path;
+
+pub use engine::Engine;
+pub use gear::{Gear, Leg, Strut};
+pub use hull::Hull;
+pub use rcs::Rcs;
+
+use crate::mass::MassModel;
+use crate::quantity::{ConfigError, Section};
+
+/// Standard gravity of the I_sp definition, m/s² (CGPM 1901).
+pub const G0_M_S2: f64 = 9.80665;
+
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    pub name: String,
+    pub mass: MassModel,
+    pub engine: Engine,
+    pub rcs: Rcs,
+    pub gear: Gear,
+    pub hull: Hull,
+}
+
+impl Vehicle {
+    pub fn load(file: &Path) -> Result<Self, ConfigError> {
+        Self::from_section(Section::read(file, true)?)
+    }
+
+    /// Parses `text`; `file` only names it in errors.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ConfigError> {
+        Self::from_section(Section::parse(file, text, true)?)
+    }
+
+    fn from_section(root: Section) -> Result<Self, ConfigError> {
+        let mass = mass::read(&root)?;
+        let vehicle = Self {
+            name: root.text("name")?,
+            gear: gear::read(&root, &mass)?,
+            mass,
+            engine: engine::read(&root)?,
+            rcs: rcs::read(&root)?,
+            hull: hull::read(&root)?,
+        };
+        // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
+        root.optional_section("as_printed")?;
+        root.finish()?;
+        Ok(vehicle)
+    }
+}
