@@ -1,6 +1,8 @@
 //! Truth models for tests: BUG on a plane, guidance off, one thing changed at a time.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod arrival;
+
 use lander_models::scenario::Scenario;
 use lander_models::vehicle::{Strut, Vehicle};
 use nalgebra::{UnitQuaternion, Vector3};
