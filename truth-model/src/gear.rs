@@ -2,6 +2,7 @@
 //! has reached, then plastic flow; what is crushed stays crushed.
 
 use lander_models::vehicle::Strut;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// One leg. Strokes are those of the pad along its stroke axis, from the free length, m.
@@ -12,11 +13,20 @@ pub struct LegState {
     pub crushed_m: f64,
     /// Load along the stroke axis, compression positive.
     pub load_n: f64,
+    /// Of the ground on the pad, N.
+    pub ground_force_w: Vector3<f64>,
 }
 
 /// Load at which the honeycomb flows at this stroke, N (T.11).
 pub fn crush_load_n(strut: &Strut, stroke_m: f64) -> f64 {
     if stroke_m < strut.stroke_1_m { strut.crush_1_n } else { strut.crush_2_n }
+}
+
+/// Load of a strut that was crushed to `crushed_m`, N (T.10): never pulls. The stop is not in it.
+pub fn strut_load_n(strut: &Strut, crushed_m: f64, stroke_m: f64, rate_m_s: f64) -> f64 {
+    let crushed_m = crushed_after(strut, crushed_m, stroke_m);
+    let load_n = strut.stiffness_n_m * (stroke_m - crushed_m) + strut.damping_n_s_m * rate_m_s;
+    load_n.clamp(0.0, crush_load_n(strut, stroke_m))
 }
 
 /// Plastic stroke after the strut was at `stroke_m` (T.12): the elastic strain never exceeds

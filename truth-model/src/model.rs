@@ -3,17 +3,19 @@
 use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
 use lander_models::scenario::Scenario;
-use lander_models::signals::{self, Interface};
+use lander_models::signals::{self, FOOT_SLOTS, Interface};
 use lander_models::time::{TICK_S, Ticks};
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::{Contact, Site};
+use crate::disturbances::{self, Biases};
 use crate::engine;
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
-use crate::propulsion::{Command, Drive};
+use crate::propulsion::{Command, Drive, Plant, Propulsion};
+use crate::slosh::Pendulums;
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
 
@@ -35,6 +37,7 @@ const START_SPEED_M_S: f64 = 1e-3;
 pub struct TruthModel {
     scenario: Scenario,
     vehicle: Vehicle,
+    biases: Biases,
     /// The scenario's terrain, made ready for queries.
     ground: Ground,
 }
@@ -47,9 +50,10 @@ pub struct State {
     pub command: Command,
     /// What the command came to in the last tick.
     pub drive: Drive,
+    pub propulsion: Propulsion,
     pub legs: Vec<LegState>,
     pub contact: Option<Contact>,
-    pub feet_down: Vec<bool>,
+    pub feet_down: [bool; FOOT_SLOTS],
     /// Has been clear of the ground, so the next contact is a touchdown.
     pub airborne: bool,
     pub touchdown: Touchdown,
@@ -60,8 +64,10 @@ pub struct State {
 
 impl TruthModel {
     pub fn new(scenario: Scenario, vehicle: Vehicle) -> Self {
+        let biases = Biases::draw(&scenario.disturbances, scenario.seed);
+        let (scenario, vehicle) = disturbances::disperse(scenario, vehicle);
         let ground = Ground::new(&scenario.terrain);
-        Self { scenario, vehicle, ground }
+        Self { scenario, vehicle, biases, ground }
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -79,14 +85,14 @@ impl TruthModel {
     /// What contact engines work on.
     pub fn site(&self) -> Site<'_> {
         let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
-        let Self { scenario, vehicle, ground } = self;
-        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w }
+        let Self { scenario, vehicle, ground, .. } = self;
+        let refinement = scenario.contact_refinement;
+        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w, refinement }
     }
 
     /// State at t = 0.
     pub fn initial_state(&self) -> State {
         let start = &self.scenario.initial;
-        let feet = self.vehicle.gear.legs.len();
         let motion = Motion {
             position_w: start.position_w,
             velocity_w: start.velocity_w,
@@ -95,15 +101,17 @@ impl TruthModel {
             propellant_kg: start.propellant_kg,
             thrust_n: 0.0,
             gimbal_rad: Vector2::zeros(),
+            slosh: self.initial_slosh(),
         };
         let mut state = State {
             now: Ticks::ZERO,
             motion,
             command: Command::default(),
             drive: Drive::default(),
-            legs: vec![LegState::default(); feet],
+            propulsion: Propulsion::default(),
+            legs: vec![LegState::default(); self.vehicle.gear.legs.len()],
             contact: None,
-            feet_down: vec![false; feet],
+            feet_down: [false; FOOT_SLOTS],
             airborne: false,
             touchdown: Touchdown::default(),
             specific_force_b: Vector3::zeros(),
@@ -115,13 +123,20 @@ impl TruthModel {
         state
     }
 
+    fn initial_slosh(&self) -> Pendulums {
+        let tanks = self.vehicle.slosh.as_ref().filter(|_| self.scenario.slosh_active);
+        tanks.map(Pendulums::hanging).unwrap_or_default()
+    }
+
     /// Advances one tick of `TICK_S`.
     pub fn tick(&self, state: &mut State) -> Result<StepReport, ModelError> {
         let limits = &self.scenario.touchdown;
         let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
         let site = self.site();
         self.choose_engine(state);
-        state.drive = Drive::of(&self.scenario, &self.vehicle, &state.command);
+        let Self { scenario, vehicle, biases, .. } = self;
+        let plant = Plant { scenario, vehicle, biases };
+        state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
         if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
             let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);
@@ -140,10 +155,11 @@ impl TruthModel {
                 TICK_S,
                 flight::free,
             );
+            self.watch_flight(state);
         }
         state.now += Ticks(1);
         if state.now >= self.scenario.stop_time {
-            state.touchdown.end(limits);
+            state.touchdown.end();
         }
         if !state.motion.is_finite() {
             return Err(diverged(state, "motion"));
@@ -155,6 +171,10 @@ impl TruthModel {
     }
 
     fn choose_engine(&self, state: &mut State) {
+        // A pad that touched in the last tick is neither clear of the ground nor new to it.
+        if state.contact.is_some() && state.feet_down.contains(&true) {
+            return;
+        }
         let lowest_m = self.lowest_m(state);
         state.airborne |= lowest_m > AIRBORNE_GAP_M;
         let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();

@@ -6,8 +6,8 @@ mod common;
 use common::GRAVITY_M_S2;
 use common::arrival::{Arrival, EARTH_M_S2, Landing, vehicle};
 use lander_models::Outcome;
-use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
+use truth_model::verdict::Touchdown;
 
 /// Langley's 1/6-scale model over hard level ground. Its speeds are those of the full scale.
 fn langley() -> Arrival {
@@ -47,7 +47,15 @@ fn langleys_model_stands_at_friction_0_4_and_sometimes_overturns_above() {
     let overturned = |friction: f64, yaws_deg: &[f64], across_m_s: &[f64]| {
         let landings = langley_matrix(friction, yaws_deg, across_m_s);
         let tipped = landings.iter().filter(|(_, landing)| landing.overturned()).count();
-        println!("friction {friction}: {tipped} of {} overturned", landings.len());
+        let peak = |value: fn(&Touchdown) -> f64| {
+            landings.iter().map(|(_, l)| value(&l.state.touchdown)).fold(0.0, f64::max)
+        };
+        println!(
+            "friction {friction}: {tipped} of {} overturned; at full scale up to {:.2} g, {:.1} rad/s2",
+            landings.len(),
+            peak(|touchdown| touchdown.peak_acceleration_m_s2) / EARTH_M_S2 / 6.03,
+            peak(|touchdown| touchdown.peak_angular_acceleration_rad_s2) / 6.03 / 6.03
+        );
         (tipped, landings.len())
     };
     // "Very stable ... at all conditions tested" on concrete, friction 0.4.
@@ -152,49 +160,16 @@ fn surveyor_3_with_its_engines_on_lifts_off_again_and_again() {
     assert!(on.rebound_m < 1.0 && on.state.touchdown.outcome == Outcome::Landed);
 }
 
-/// From Langley's model to full scale.
-const FULL_SCALE: f64 = EARTH_M_S2 / GRAVITY_M_S2;
+/// Langley's model lives six times as fast as the full scale: 6 contact steps a tick give it the full
+/// scale's resolution. With 1 the strip's edges move by 0.3 m/s of horizontal speed.
+const FULL_RESOLUTION: u32 = 6;
 
-/// The arrival of a model `scale` times as long in gravity as much smaller: by Froude's law speeds
-/// stay and times grow by `scale`. Densities stay too.
-fn froude_scaled(mut arrival: Arrival, scale: f64) -> Arrival {
-    let (mass, force) = (scale.powi(3), scale.powi(2));
-    arrival.gravity_m_s2 /= scale;
-    arrival.propellant_kg *= mass;
-    let Vehicle { mass: masses, engine, gear, hull, .. } = &mut arrival.vehicle;
-    masses.dry.mass_kg *= mass;
-    masses.dry.com_b *= scale;
-    masses.dry.inertia_kg_m2 *= mass * scale * scale;
-    masses.propellant.capacity_kg *= mass;
-    masses.propellant.com_b *= scale;
-    masses.propellant.gyration_radius_b *= scale;
-    gear.foot_mass_kg *= mass;
-    gear.pad_radius_m *= scale;
-    for leg in &mut gear.legs {
-        leg.foot_b *= scale;
-        leg.strut.stiffness_n_m *= force / scale;
-        leg.strut.damping_n_s_m *= force;
-        leg.strut.crush_1_n *= force;
-        leg.strut.crush_2_n *= force;
-        leg.strut.stroke_1_m *= scale;
-        leg.strut.stroke_max_m *= scale;
-    }
-    engine.pivot_b *= scale;
-    engine.nozzle_exit_height_m *= scale;
-    engine.nozzle_exit_radius_m *= scale;
-    hull.radius_m *= scale;
-    hull.bottom_height_m *= scale;
-    hull.top_height_m *= scale;
-    arrival
-}
-
-/// Langley's lander at full scale, two legs ahead, downhill. At full scale, because 1 ms are six of the
-/// model's own: there the strip's edges move by 0.3 m/s of horizontal speed.
+/// Langley's model with two legs ahead, downhill.
 fn strip_case(across_m_s: f64, down_m_s: f64) -> Arrival {
-    let full = froude_scaled(langley(), FULL_SCALE);
+    let model = Arrival { refinement: FULL_RESOLUTION, ..langley() };
     // 15 deg back from the slope's normal: the trailing legs touch first.
     let (slope_deg, pitch_deg) = (10.0, -5.0);
-    let change = Arrival { friction: 0.7, slope_deg, pitch_deg, yaw_deg: 45.0, ..full };
+    let change = Arrival { friction: 0.7, slope_deg, pitch_deg, yaw_deg: 45.0, ..model };
     Arrival { across_m_s, down_m_s, ..change }
 }
 
@@ -202,29 +177,29 @@ fn strip_case(across_m_s: f64, down_m_s: f64) -> Arrival {
 fn the_instability_strip_is_shown_not_lost() {
     // Found by a scan: docs/validation/instability-strip.csv.
     let speeds_m_s = [0.5, 1.0, 2.0, 3.0, 3.5, 4.75, 5.5];
-    let ends = speeds_m_s.map(|down| strip_case(3.0, down).land(FULL_SCALE * 2.0).letter());
+    let ends = speeds_m_s.map(|down| strip_case(3.0, down).land(2.0).letter());
     println!("3 m/s downhill, {speeds_m_s:?} m/s down: {ends:?}");
     // Stable at both ends, so a bisection between them would find nothing; unstable between.
     let overturned = ends.map(|letter| letter == 'T');
     assert_eq!(overturned, [false, false, true, true, true, false, false]);
 }
 
-/// Prints docs/validation/langley-matrix.csv: the model, and two legs ahead at full scale.
+/// Prints docs/validation/langley-matrix.csv; the moving cases with two legs ahead also refined.
 #[test]
 #[ignore = "minutes of CPU; its table is committed"]
 fn langley_matrix_table() {
-    let row = |size: &str, a: &Arrival, across_m_s: f64, end: char| {
-        let Arrival { friction, yaw_deg, down_m_s, pitch_deg, .. } = a;
-        println!("CSV {size},{friction},{yaw_deg},{down_m_s},{pitch_deg},{across_m_s},{end}");
+    let row = |a: &Arrival, landing: &Landing| {
+        let Arrival { refinement, friction, yaw_deg, down_m_s, pitch_deg, across_m_s, .. } = a;
+        let end = landing.letter();
+        println!("CSV {refinement},{friction},{yaw_deg},{down_m_s},{pitch_deg},{across_m_s},{end}");
     };
-    println!("CSV size,friction,yaw_deg,down_m_s,pitch_deg,across_m_s,end");
+    println!("CSV refinement,friction,yaw_deg,down_m_s,pitch_deg,across_m_s,end");
     for friction in [0.4, 0.7, 1.0] {
         for (a, landing) in langley_matrix(friction, &YAWS_DEG, &[0.0, 0.75, 1.5, 2.25, 3.0]) {
-            let across_m_s = a.across_m_s;
-            row("model", &a, across_m_s, landing.letter());
-            if a.yaw_deg == 45.0 && across_m_s > 1.0 {
-                let full = froude_scaled(a.clone(), FULL_SCALE).land(FULL_SCALE * 2.0);
-                row("full", &a, across_m_s, full.letter());
+            row(&a, &landing);
+            if a.yaw_deg == 45.0 && a.across_m_s > 1.0 {
+                let refined = Arrival { refinement: FULL_RESOLUTION, ..a };
+                row(&refined, &refined.land(2.0));
             }
         }
     }
@@ -235,19 +210,26 @@ fn langley_matrix_table() {
 #[test]
 #[ignore = "a minute of CPU; its table is committed"]
 fn instability_strip_table() {
-    println!("CSV lander,across_m_s,ends at 0.5 to 6 m/s down in steps of 0.5");
-    let print = |name: &str, across_m_s: f64, seconds: f64, lander: &dyn Fn(Arrival) -> Arrival| {
-        let ends: String = (1..=12)
-            .map(|n| lander(strip_case(across_m_s, 0.5 * f64::from(n))).land(seconds).letter())
-            .collect();
-        println!("CSV {name},{across_m_s},{ends}");
+    println!("CSV lander,refinement,across_m_s,ends at 0.5 to 6 m/s down in steps of 0.5");
+    let print =
+        |name: &str, refinement: u32, across_m_s: f64, change: &dyn Fn(Arrival) -> Arrival| {
+            let ends: String = (1..=12)
+                .map(|n| {
+                    let arrival = change(strip_case(across_m_s, 0.5 * f64::from(n)));
+                    let seconds = if name == "model" { 2.0 } else { 12.0 };
+                    Arrival { refinement, ..arrival }.land(seconds).letter()
+                })
+                .collect();
+            println!("CSV {name},{refinement},{across_m_s},{ends}");
+        };
+    let lm = |a| {
+        let vehicle = vehicle("apollo-lm");
+        Arrival { vehicle, propellant_kg: 349.0, gravity_m_s2: GRAVITY_M_S2, ..a }
     };
-    let lm = |a| Arrival { vehicle: vehicle("apollo-lm"), propellant_kg: 349.0, ..a };
     for across_m_s in [2.5, 2.75, 3.0] {
-        let seconds = 2.0 * FULL_SCALE;
-        print("model", across_m_s, 2.0, &|a| froude_scaled(a, 1.0 / FULL_SCALE));
-        print("full", across_m_s, seconds, &|a| a);
-        print("apollo-lm", across_m_s, seconds, &lm);
+        print("model", 1, across_m_s, &|a| a);
+        print("model", FULL_RESOLUTION, across_m_s, &|a| a);
+        print("apollo-lm", 1, across_m_s, &lm);
     }
-    print("twice full", 3.0, 4.0 * FULL_SCALE, &|a| froude_scaled(a, 2.0));
+    print("model", 2 * FULL_RESOLUTION, 3.0, &|a| a);
 }

@@ -1,17 +1,22 @@
 //! The scenario file: site, initial state, terrain, guidance settings, touchdown limits.
 
 mod contact;
+mod disturbances;
+mod faults;
 mod guidance;
 mod initial;
+mod slosh;
 mod terrain;
 mod touchdown;
 
 use std::path::{Path, PathBuf};
 
 pub use contact::ContactEngine;
+pub use disturbances::{Disturbances, Offsets};
+pub use faults::*;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
-pub use terrain::Terrain;
+pub use terrain::{Craters, Heightmap, RockLaw, Rocks, Soil, Terrain};
 pub use touchdown::TouchdownLimits;
 
 use crate::quantity::{ConfigError, Limit, Section};
@@ -24,8 +29,14 @@ pub struct Scenario {
     pub gravity_m_s2: f64,
     pub terrain: Terrain,
     pub contact_engine: ContactEngine,
+    /// Steps within a tick for each of the contact engine's own.
+    pub contact_refinement: u32,
     pub initial: Initial,
+    /// The vehicle's propellant sloshes.
+    pub slosh_active: bool,
     pub ignition: Ignition,
+    pub disturbances: Disturbances,
+    pub faults: Faults,
     pub guidance: Guidance,
     pub touchdown: TouchdownLimits,
     pub stop_time: Ticks,
@@ -60,16 +71,21 @@ impl Scenario {
         let run = root.section("run")?;
         let engine = root.optional_section("engine")?;
         let stop_s = run.number("stop_time", "s", Limit::Within(0.001, 1e6))?;
+        let (contact_engine, contact_refinement) = contact::read(&root)?;
         let scenario = Self {
             name: root.text("name")?,
             gravity_m_s2: site.number("gravity", "m/s2", Limit::Positive)?,
             terrain: terrain::read(&root)?,
-            contact_engine: contact::read(&root)?,
+            contact_engine,
+            contact_refinement,
             initial: initial::read(&root, vehicle)?,
+            slosh_active: slosh::read(&root, vehicle)?,
             ignition: match engine.choice("ignition", &["nominal", "never"])? {
                 "never" => Ignition::Never,
                 _ => Ignition::Nominal,
             },
+            disturbances: disturbances::read(&root, vehicle)?,
+            faults: faults::read(&root)?,
             guidance: guidance::read(&root, vehicle)?,
             touchdown: touchdown::read(&root)?,
             // Whole numbers up to 2^53 are exact in a file's f64.

@@ -1,17 +1,21 @@
 //! The vehicle file: every number with unit, source and grade.
 
+mod curve;
 mod engine;
 mod gear;
 mod hull;
 mod mass;
 mod rcs;
+mod slosh;
 
 use std::path::Path;
 
-pub use engine::Engine;
+pub use curve::Curve;
+pub use engine::{DeadZone, Engine};
 pub use gear::{Gear, Leg, Strut};
 pub use hull::Hull;
 pub use rcs::Rcs;
+pub use slosh::{MAX_TANKS, Slosh};
 
 use crate::mass::MassModel;
 use crate::quantity::{ConfigError, Section};
@@ -27,6 +31,7 @@ pub struct Vehicle {
     pub rcs: Rcs,
     pub gear: Gear,
     pub hull: Hull,
+    pub slosh: Option<Slosh>,
 }
 
 impl Vehicle {
@@ -44,6 +49,7 @@ impl Vehicle {
         let vehicle = Self {
             name: root.text("name")?,
             gear: gear::read(&root, &mass)?,
+            slosh: slosh::read(&root, &mass)?,
             mass,
             engine: engine::read(&root)?,
             rcs: rcs::read(&root)?,

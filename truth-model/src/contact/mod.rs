@@ -1,17 +1,20 @@
 //! Contact: what an engine that owns the motion on and near the ground must do, and the choice.
 
 pub mod rapier;
+pub mod strut;
 
 use lander_models::Vehicle;
 use lander_models::scenario::{ContactEngine as Choice, Terrain};
+use lander_models::signals::FOOT_SLOTS;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::flight::Motion;
 use crate::gear::LegState;
 use crate::propulsion::Drive;
-use crate::terrain::Ground;
+use crate::terrain::{Ground, Surface};
 use rapier::RapierWorld;
+use strut::StrutContact;
 
 /// What a contact engine works on and never changes.
 #[derive(Clone, Copy)]
@@ -20,14 +23,59 @@ pub struct Site<'a> {
     pub terrain: &'a Terrain,
     pub ground: &'a Ground,
     pub gravity_w: Vector3<f64>,
+    /// Steps within a tick for each of the engine's own: 1 in normal use, more for a reference.
+    pub refinement: u32,
+}
+
+/// Friction of a captured pad: the lateral hold never gives way, the pad may still lift.
+const CAPTURED_FRICTION: f64 = 1e3;
+
+impl Site<'_> {
+    /// Coulomb's coefficient of a pad on this ground.
+    pub fn pad_friction(&self) -> f64 {
+        if self.terrain.pads_captured { CAPTURED_FRICTION } else { self.terrain.friction }
+    }
+
+    /// The ground's tangent plane nearest to a point.
+    pub fn footing(&self, point_w: &Vector3<f64>) -> Footing {
+        let Surface { clearance_m, normal_w } = self.ground.nearest(point_w);
+        Footing { normal_w, offset_m: normal_w.dot(point_w) - clearance_m }
+    }
+}
+
+/// A plane: the points p with n · p = offset.
+#[derive(Clone, Copy, Debug)]
+pub struct Footing {
+    pub normal_w: Vector3<f64>,
+    offset_m: f64,
+}
+
+impl Footing {
+    pub fn clearance_m(&self, point_w: &Vector3<f64>) -> f64 {
+        self.normal_w.dot(point_w) - self.offset_m
+    }
+}
+
+/// Something of hull and nozzle each: the parts that must not touch the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Structure<T> {
+    pub hull: T,
+    pub nozzle: T,
+}
+
+impl Structure<bool> {
+    pub fn any(&self) -> bool {
+        self.hull || self.nozzle
+    }
 }
 
 /// What one contact tick did to the ground.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
     /// Per leg: the pad carries load.
-    pub feet: Vec<bool>,
-    pub structure: bool,
+    pub feet: [bool; FOOT_SLOTS],
+    /// What else carries load.
+    pub structure: Structure<bool>,
 }
 
 /// Owns motion and legs while the vehicle is on or near the ground. Plain data.
@@ -49,14 +97,14 @@ pub trait ContactEngine: Sized {
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Contact {
     Rapier(Box<RapierWorld>),
+    Strut(StrutContact),
 }
 
 impl Contact {
     pub fn take_over(choice: Choice, site: &Site, motion: &Motion, legs: &[LegState]) -> Self {
         match choice {
-            Choice::Rapier | Choice::Strut => {
-                Self::Rapier(Box::new(RapierWorld::take_over(site, motion, legs)))
-            }
+            Choice::Rapier => Self::Rapier(Box::new(RapierWorld::take_over(site, motion, legs))),
+            Choice::Strut => Self::Strut(StrutContact::take_over(site, motion, legs)),
         }
     }
 
@@ -69,6 +117,7 @@ impl Contact {
     ) -> Option<Touch> {
         match self {
             Self::Rapier(world) => world.step(site, motion, legs, drive),
+            Self::Strut(contact) => contact.step(site, motion, legs, drive),
         }
     }
 }

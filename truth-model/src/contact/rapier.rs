@@ -23,7 +23,7 @@ use rapier3d_f64::math::Pose;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactEngine, Site, Touch};
+use super::{ContactEngine, Site, Structure, Touch};
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after};
 use crate::propulsion::{Drive, Wrench};
@@ -33,8 +33,6 @@ use crate::propulsion::{Drive, Wrench};
 const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
 /// Sub-steps of one tick; one alone misses tip-over speeds by 3 %.
 const SOLVER_ITERATIONS: usize = 4;
-/// Friction of a captured pad: the lateral hold never gives way, the pad may still lift.
-const CAPTURED_FRICTION: f64 = 1e3;
 /// Radius of gyration of a foot body, m: the footpad with its lower strut.
 const FOOT_GYRATION_M: f64 = 0.1;
 /// The strut may extend this far beyond its free length before the joint stops it, m. The stop
@@ -95,7 +93,7 @@ impl ContactEngine for RapierWorld {
         let Site { vehicle, terrain, .. } = *site;
         let mut world = PhysicsWorld::default();
         tune(&mut world);
-        let pad_friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
+        let pad_friction = site.pad_friction();
         let ground = world.colliders.insert(
             ColliderBuilder::new(SharedShape::halfspace(to_glam(&terrain.normal_w())))
                 .friction(terrain.friction)
@@ -150,10 +148,12 @@ impl ContactEngine for RapierWorld {
         }
         self.read_motion(motion);
         self.read_legs(&vehicle.gear, motion, legs);
-        Some(Touch {
-            feet: self.feet.iter().map(|foot| self.touches(foot.pad)).collect(),
-            structure: self.structure.iter().any(|part| self.touches(*part)),
-        })
+        let [hull, nozzle] = self.structure.map(|part| self.touches(part));
+        let mut touch = Touch { structure: Structure { hull, nozzle }, ..Touch::default() };
+        for (down, foot) in touch.feet.iter_mut().zip(&self.feet) {
+            *down = self.touches(foot.pad);
+        }
+        Some(touch)
     }
 }
 

@@ -25,6 +25,8 @@ pub fn vehicle(name: &str) -> Vehicle {
 pub struct Arrival {
     pub vehicle: Vehicle,
     pub gravity_m_s2: f64,
+    /// Contact steps a tick.
+    pub refinement: u32,
     pub propellant_kg: f64,
     pub friction: f64,
     pub slope_deg: f64,
@@ -59,6 +61,7 @@ impl Arrival {
         Self {
             vehicle,
             gravity_m_s2: GRAVITY_M_S2,
+            refinement: 1,
             propellant_kg,
             friction: 0.5,
             slope_deg: 0.0,
@@ -75,6 +78,7 @@ impl Arrival {
         // BUG only lends the scenario: its initial state is replaced whole.
         let mut scenario = on_plane(bug(), 0.0).scenario;
         scenario.gravity_m_s2 = self.gravity_m_s2;
+        scenario.contact_refinement = self.refinement;
         scenario.terrain.slope_rad = self.slope_deg.to_radians();
         scenario.terrain.downhill_rad = 0.0;
         scenario.terrain.friction = self.friction;
@@ -173,12 +177,12 @@ impl Landing {
         tilt_rad(&self.state.motion.attitude_wb).to_degrees()
     }
 
-    /// For tables: landed, struck, tipped, or still settling when the time was up (on two legs
+    /// For tables: landed, struck or bottomed, tipped, or still settling when the time was up (on two legs
     /// across, which takes long on a level plane).
     pub fn letter(&self) -> char {
         match self.state.touchdown.outcome {
             Outcome::Landed => '.',
-            Outcome::Struck => 's',
+            Outcome::Struck | Outcome::Bottomed => 's',
             Outcome::Tipped => 'T',
             Outcome::InFlight => 'r',
             other => panic!("no such end in these tests: {other:?}"),
