@@ -6,8 +6,8 @@ mod common;
 use common::GRAVITY_M_S2;
 use common::arrival::{Arrival, EARTH_M_S2, Landing, vehicle};
 use lander_models::Outcome;
+use lander_models::scenario::ContactEngine;
 use nalgebra::Vector3;
-use truth_model::verdict::Touchdown;
 
 /// Langley's 1/6-scale model over hard level ground. Its speeds are those of the full scale.
 fn langley() -> Arrival {
@@ -47,15 +47,7 @@ fn langleys_model_stands_at_friction_0_4_and_sometimes_overturns_above() {
     let overturned = |friction: f64, yaws_deg: &[f64], across_m_s: &[f64]| {
         let landings = langley_matrix(friction, yaws_deg, across_m_s);
         let tipped = landings.iter().filter(|(_, landing)| landing.overturned()).count();
-        let peak = |value: fn(&Touchdown) -> f64| {
-            landings.iter().map(|(_, l)| value(&l.state.touchdown)).fold(0.0, f64::max)
-        };
-        println!(
-            "friction {friction}: {tipped} of {} overturned; at full scale up to {:.2} g, {:.1} rad/s2",
-            landings.len(),
-            peak(|touchdown| touchdown.peak_acceleration_m_s2) / EARTH_M_S2 / 6.03,
-            peak(|touchdown| touchdown.peak_angular_acceleration_rad_s2) / 6.03 / 6.03
-        );
+        println!("friction {friction}: {tipped} of {} overturned", landings.len());
         (tipped, landings.len())
     };
     // "Very stable ... at all conditions tested" on concrete, friction 0.4.
@@ -160,23 +152,18 @@ fn surveyor_3_with_its_engines_on_lifts_off_again_and_again() {
     assert!(on.rebound_m < 1.0 && on.state.touchdown.outcome == Outcome::Landed);
 }
 
-/// Langley's model lives six times as fast as the full scale: 6 contact steps a tick give it the full
-/// scale's resolution. With 1 the strip's edges move by 0.3 m/s of horizontal speed.
-const FULL_RESOLUTION: u32 = 6;
-
 /// Langley's model with two legs ahead, downhill.
 fn strip_case(across_m_s: f64, down_m_s: f64) -> Arrival {
-    let model = Arrival { refinement: FULL_RESOLUTION, ..langley() };
     // 15 deg back from the slope's normal: the trailing legs touch first.
     let (slope_deg, pitch_deg) = (10.0, -5.0);
-    let change = Arrival { friction: 0.7, slope_deg, pitch_deg, yaw_deg: 45.0, ..model };
+    let change = Arrival { friction: 0.7, slope_deg, pitch_deg, yaw_deg: 45.0, ..langley() };
     Arrival { across_m_s, down_m_s, ..change }
 }
 
 #[test]
 fn the_instability_strip_is_shown_not_lost() {
     // Found by a scan: docs/validation/instability-strip.csv.
-    let speeds_m_s = [0.5, 1.0, 2.0, 3.0, 3.5, 4.75, 5.5];
+    let speeds_m_s = [0.5, 1.0, 2.0, 3.0, 3.5, 5.5, 6.0];
     let ends = speeds_m_s.map(|down| strip_case(3.0, down).land(2.0).letter());
     println!("3 m/s downhill, {speeds_m_s:?} m/s down: {ends:?}");
     // Stable at both ends, so a bisection between them would find nothing; unstable between.
@@ -184,52 +171,40 @@ fn the_instability_strip_is_shown_not_lost() {
     assert_eq!(overturned, [false, false, true, true, true, false, false]);
 }
 
-/// Prints docs/validation/langley-matrix.csv; the moving cases with two legs ahead also refined.
+/// Prints docs/validation/langley-matrix.csv, by both contact engines.
 #[test]
-#[ignore = "minutes of CPU; its table is committed"]
+#[ignore = "a minute of CPU; its table is committed"]
 fn langley_matrix_table() {
-    let row = |a: &Arrival, landing: &Landing| {
-        let Arrival { refinement, friction, yaw_deg, down_m_s, pitch_deg, across_m_s, .. } = a;
-        let end = landing.letter();
-        println!("CSV {refinement},{friction},{yaw_deg},{down_m_s},{pitch_deg},{across_m_s},{end}");
-    };
-    println!("CSV refinement,friction,yaw_deg,down_m_s,pitch_deg,across_m_s,end");
+    println!("CSV friction,yaw_deg,down_m_s,pitch_deg,across_m_s,rapier,strut");
     for friction in [0.4, 0.7, 1.0] {
         for (a, landing) in langley_matrix(friction, &YAWS_DEG, &[0.0, 0.75, 1.5, 2.25, 3.0]) {
-            row(&a, &landing);
-            if a.yaw_deg == 45.0 && a.across_m_s > 1.0 {
-                let refined = Arrival { refinement: FULL_RESOLUTION, ..a };
-                row(&refined, &refined.land(2.0));
-            }
+            let Arrival { yaw_deg, down_m_s, pitch_deg, across_m_s, .. } = a;
+            let strut = Arrival { engine: ContactEngine::Strut, ..a }.land(MODEL_TIME_S).letter();
+            let rapier = landing.letter();
+            println!(
+                "CSV {friction},{yaw_deg},{down_m_s},{pitch_deg},{across_m_s},{rapier},{strut}"
+            );
         }
     }
 }
 
-/// Prints docs/validation/instability-strip.csv: a row per lander and horizontal speed, a letter
-/// per vertical speed.
+/// Prints docs/validation/instability-strip.csv: a row per horizontal speed, a letter per vertical
+/// speed.
 #[test]
 #[ignore = "a minute of CPU; its table is committed"]
 fn instability_strip_table() {
-    println!("CSV lander,refinement,across_m_s,ends at 0.5 to 6 m/s down in steps of 0.5");
-    let print =
-        |name: &str, refinement: u32, across_m_s: f64, change: &dyn Fn(Arrival) -> Arrival| {
+    println!("CSV engine,refinement,across_m_s,ends at 0.5 to 6 m/s down in steps of 0.5");
+    for across_m_s in [2.5, 2.75, 3.0, 3.25] {
+        for (engine, refinement) in
+            [(ContactEngine::Rapier, 1), (ContactEngine::Rapier, 6), (ContactEngine::Strut, 1)]
+        {
             let ends: String = (1..=12)
                 .map(|n| {
-                    let arrival = change(strip_case(across_m_s, 0.5 * f64::from(n)));
-                    let seconds = if name == "model" { 2.0 } else { 12.0 };
-                    Arrival { refinement, ..arrival }.land(seconds).letter()
+                    let case = strip_case(across_m_s, 0.5 * f64::from(n));
+                    Arrival { engine, refinement, ..case }.land(2.0).letter()
                 })
                 .collect();
-            println!("CSV {name},{refinement},{across_m_s},{ends}");
-        };
-    let lm = |a| {
-        let vehicle = vehicle("apollo-lm");
-        Arrival { vehicle, propellant_kg: 349.0, gravity_m_s2: GRAVITY_M_S2, ..a }
-    };
-    for across_m_s in [2.5, 2.75, 3.0] {
-        print("model", 1, across_m_s, &|a| a);
-        print("model", FULL_RESOLUTION, across_m_s, &|a| a);
-        print("apollo-lm", 1, across_m_s, &lm);
+            println!("CSV {engine:?},{refinement},{across_m_s},{ends}");
+        }
     }
-    print("model", 2 * FULL_RESOLUTION, 3.0, &|a| a);
 }

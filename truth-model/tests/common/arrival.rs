@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lander_models::component::{Component, Settings};
 use lander_models::frames::tilt_rad;
+use lander_models::scenario::ContactEngine;
 use lander_models::vehicle::Vehicle;
 use lander_models::{Outcome, Ticks};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -25,6 +26,7 @@ pub fn vehicle(name: &str) -> Vehicle {
 pub struct Arrival {
     pub vehicle: Vehicle,
     pub gravity_m_s2: f64,
+    pub engine: ContactEngine,
     /// Contact steps a tick.
     pub refinement: u32,
     pub propellant_kg: f64,
@@ -61,6 +63,7 @@ impl Arrival {
         Self {
             vehicle,
             gravity_m_s2: GRAVITY_M_S2,
+            engine: ContactEngine::Rapier,
             refinement: 1,
             propellant_kg,
             friction: 0.5,
@@ -78,6 +81,7 @@ impl Arrival {
         // BUG only lends the scenario: its initial state is replaced whole.
         let mut scenario = on_plane(bug(), 0.0).scenario;
         scenario.gravity_m_s2 = self.gravity_m_s2;
+        scenario.contact_engine = self.engine;
         scenario.contact_refinement = self.refinement;
         scenario.terrain.slope_rad = self.slope_deg.to_radians();
         scenario.terrain.downhill_rad = 0.0;
