@@ -1,6 +1,7 @@
 //! Truth models for tests: BUG on a plane, guidance off, one thing changed at a time.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod arrival;
 pub mod relief;
 
 use lander_models::scenario::Scenario;
