@@ -69,19 +69,20 @@ class Touchdown:
     def run(self, seconds: float) -> np.ndarray:
         """The history of the next `seconds`, a row a tick."""
         steps = round(TICK_S / self.step_s)
-        data, touches = self.data, np.zeros_like(self.data.sensordata)
-        rows = np.empty((round(seconds / TICK_S), data.qpos.size + data.qvel.size + touches.size // 3))
-        for row in rows:
-            touches[:] = 0.0
-            for _ in range(steps):
+        forces_n = np.zeros((steps, self.data.sensordata.size))
+        rows = []
+        for _ in range(round(seconds / TICK_S)):
+            for force_n in forces_n:
                 self.step()
-                np.maximum(touches, np.abs(data.sensordata), out=touches)
-            row[:] = np.concatenate([data.qpos, data.qvel, touches.reshape(-1, 3).max(axis=1)])
-        return rows
+                force_n[:] = self.data.sensordata
+            rows.append(self.row(forces_n))
+        return np.array(rows)
 
-    def first_row(self) -> np.ndarray:
-        """The history's row before the first step."""
-        return np.concatenate([self.data.qpos, self.data.qvel, np.zeros(self.model.nsensor)])
+    def row(self, forces_n: np.ndarray | None = None) -> np.ndarray:
+        """The history's row of the present state; loads are the largest of several steps' if given."""
+        forces_n = self.data.sensordata if forces_n is None else forces_n
+        loads_n = np.abs(forces_n).reshape(-1, self.model.nsensor, 3).max(axis=(0, 2))
+        return np.concatenate([self.data.qpos, self.data.qvel, loads_n])
 
 
 def start(vehicle: Vehicle, case: Case, normal_w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
