@@ -4,6 +4,7 @@ First MuJoCo's own model against closed forms, so that the peer is known to be r
 of `touchdown_cosim.compare_mujoco` against the kit's engine and verdict. The whole grid: docs/validation.
 """
 
+import csv
 from dataclasses import replace
 
 import mujoco
@@ -16,6 +17,7 @@ from touchdown_cosim.bench_mujoco import FLAT
 from touchdown_cosim.compare_mujoco import STEP_S, mujoco_verdict, run_to_verdict
 from touchdown_cosim.mujoco_lander import Vehicle
 from touchdown_cosim.mujoco_touchdown import START_GAP_M, Touchdown
+from touchdown_cosim.touchdown_cases import Case
 
 BUG = ROOT / "models" / "vehicles" / "bug.toml"
 GRAVITY_M_S2 = 1.625
@@ -122,6 +124,16 @@ def test_where_both_stand_they_stand_alike(rows):
     error_deg = [abs(r["kit_rest_tilt_deg"] - r["mujoco_rest_tilt_deg"]) for r in both]
     # One leg's crush of 1 cm more or less on a base of 2.7 m is 0.2 deg; the median stays below.
     assert np.median(error_deg) < 0.2, error_deg
+
+
+def test_the_committed_table_is_of_this_grid_and_agrees():
+    with (ROOT / "docs" / "validation" / "mujoco.csv").open(encoding="utf-8") as file:
+        table = list(csv.DictReader(file))
+    cases = [Case(*(float(row[name]) for name in touchdown_cases.COLUMNS)) for row in table]
+    assert cases == touchdown_cases.grid() and len(cases) >= 200
+    agree = [row["kit_outcome"] == row["mujoco_outcome"] for row in table]
+    # The project's acceptance: 95 %.
+    assert np.mean(agree) >= 0.95
 
 
 def test_a_shorter_step_is_nearer_to_the_reference():

@@ -80,12 +80,18 @@ def compare(lander: Path, vehicle_file: Path, cases: list[Case], say=lambda text
             row[f"mujoco_{name}"] = theirs[name]
         row["agree"] = int(ours["outcome"] == theirs["outcome"])
         row["mujoco_fine_outcome"] = ""
-        if not row["agree"]:
-            row["mujoco_fine_outcome"] = mujoco_verdict(vehicle, case, FINE_STEP_S).outcome
         rows.append(row)
         left_s = (time.monotonic() - started) / (n + 1) * (len(cases) - n - 1)
         say(f"MuJoCo {n + 1}/{len(cases)} touchdowns, {left_s:.0f} s left")
     return rows
+
+
+def look_closer(vehicle: Vehicle, rows: list[dict]):
+    """What MuJoCo makes of the disagreements with a finer step."""
+    for row in rows:
+        if not row["agree"]:
+            case = Case(**{name: row[name] for name in COLUMNS})
+            row["mujoco_fine_outcome"] = mujoco_verdict(vehicle, case, FINE_STEP_S).outcome
 
 
 def report(rows: list[dict]) -> str:
@@ -157,6 +163,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     try:
         rows = compare(options.lander, options.vehicle, cases, say)
+        look_closer(Vehicle(options.vehicle), rows)
         if options.out:
             write(options.out, rows)
     except KeyboardInterrupt:

@@ -26,19 +26,17 @@ class Struts:
         self.stroke_m, self.crushed_m = data.qpos[7:], data.ctrl
         self.limits_n = model.actuator_forcerange
         self.elastic_m = self.loads_n[0] / self.stiffness_n_m
+        self.all_in_stage_1 = True
 
     def after_step(self):
-        """Keeps what was crushed in this step."""
-        if self.stroke_m.max() < self.stage_2_m:
+        """Keeps what this step crushed, and sets the load at which each strut will flow in the next."""
+        were_in_stage_1, self.all_in_stage_1 = self.all_in_stage_1, self.stroke_m.max() < self.stage_2_m
+        if were_in_stage_1 and self.all_in_stage_1:
             np.maximum(self.crushed_m, self.stroke_m - self.elastic_m, out=self.crushed_m)
             return
         load_n = np.where(self.stroke_m < self.stage_2_m, *self.loads_n)
         crushed_m = np.minimum(self.stroke_m - load_n / self.stiffness_n_m, self.stop_m)
         np.maximum(self.crushed_m, crushed_m, out=self.crushed_m)
-
-    def before_step(self):
-        """The crush load of the stage that each strut is in."""
-        load_n = np.where(self.stroke_m < self.stage_2_m, *self.loads_n)
         self.limits_n[:, 0], self.limits_n[:, 1] = -load_n, load_n
 
 
@@ -62,7 +60,6 @@ class Touchdown:
         self.struts = Struts(self.vehicle, self.model, self.data)
 
     def step(self):
-        self.struts.before_step()
         mujoco.mj_step(self.model, self.data)
         self.struts.after_step()
 
