@@ -39,7 +39,15 @@ pub fn tilt_rad(attitude_wb: &Attitude) -> f64 {
     up_w.xy().norm().atan2(up_w.z)
 }
 
+/// Turn about the vertical that leads from one attitude to the other, rad, in (-π, π]: the twist
+/// about world z of the rotation between them.
+pub fn heading_change_rad(from_wb: &Attitude, to_wb: &Attitude) -> f64 {
+    let turn = to_wb * from_wb.inverse();
+    (2.0 * turn.w * turn.k).atan2(turn.w * turn.w - turn.k * turn.k)
+}
+
 /// `(r·r) I - r rᵀ`: times a mass, the parallel-axis (Steiner) term of an inertia tensor.
+#[inline]
 pub fn steiner(r: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() * r.norm_squared() - r * r.transpose()
 }
@@ -55,6 +63,18 @@ mod tests {
         let z = Vector3::from(from_paper_axes([0.0, 0.0, 1.0]));
         assert_eq!(x.cross(&y), z);
         assert_eq!(y, Vector3::z(), "the paper's vertical axis must become body z");
+    }
+
+    #[test]
+    fn a_heading_change_is_the_turn_about_the_vertical_alone() {
+        let from = Attitude::from_euler_angles(0.2, -0.1, 3.0);
+        for turn_rad in [-3.1, -0.4, 0.0, 1.0, 3.1] {
+            let turned = Attitude::from_axis_angle(&Vector3::z_axis(), turn_rad) * from;
+            // Rounding of quaternion products.
+            assert!((heading_change_rad(&from, &turned) - turn_rad).abs() < 1e-14, "{turn_rad}");
+        }
+        let pitched = Attitude::from_axis_angle(&Vector3::y_axis(), 0.5) * from;
+        assert!(heading_change_rad(&from, &pitched).abs() < 1e-15);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 pub mod component;
 pub mod frames;
+pub mod heightmap;
 pub mod mass;
 pub mod outcome;
 pub mod quantity;

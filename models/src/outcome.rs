@@ -11,20 +11,22 @@ pub enum Outcome {
     InFlight = 0,
     /// At rest, upright, where it touched down.
     Landed = 1,
-    /// Upright, but it slid farther than the scenario's limit or is still sliding.
+    /// Upright, but it slid farther than the scenario's limit or was not seen at rest.
     Slid = 2,
     /// The centre of mass left the support polygon and did not come back.
     Tipped = 3,
-    /// The hull or the nozzle hit the ground.
+    /// Upright, but the hull or the nozzle touched the ground.
     Struck = 4,
-    /// First contact above the speed that the scenario calls survivable.
+    /// An impact above the speed that the scenario calls survivable.
     Crashed = 5,
     /// The run ended without a touchdown.
     NoContact = 6,
+    /// Upright and nothing but feet touched, but a strut used up its stroke.
+    Bottomed = 7,
 }
 
 impl Outcome {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::InFlight,
         Self::Landed,
         Self::Slid,
@@ -32,6 +34,7 @@ impl Outcome {
         Self::Struck,
         Self::Crashed,
         Self::NoContact,
+        Self::Bottomed,
     ];
 
     pub fn name(self) -> &'static str {
@@ -43,6 +46,7 @@ impl Outcome {
             Self::Struck => "struck",
             Self::Crashed => "crashed",
             Self::NoContact => "no_contact",
+            Self::Bottomed => "bottomed",
         }
     }
 

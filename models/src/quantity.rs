@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
+use crate::time::Ticks;
+
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigError {
     #[error("{}: cannot be read: {reason}", file.display())]
@@ -80,6 +82,11 @@ impl Section {
         Self { file, path, table, provenance, used: RefCell::default() }
     }
 
+    /// The file that the section is from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
     pub fn error(&self, key: &str, reason: impl Into<String>) -> ConfigError {
         let key =
             if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
@@ -96,7 +103,7 @@ impl Section {
     }
 
     pub fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
+        self.take(key).is_some()
     }
 
     /// A sub-table that must be there.
@@ -151,6 +158,17 @@ impl Section {
         default: f64,
     ) -> Result<f64, ConfigError> {
         if self.has(key) { self.number(key, unit, limit) } else { Ok(default) }
+    }
+
+    /// A duration in s, a whole number of ticks.
+    pub fn ticks(&self, key: &str, limit: Limit) -> Result<Ticks, ConfigError> {
+        Ticks::from_seconds(self.number(key, "s", limit)?)
+            .map_err(|error| self.error(key, error.to_string()))
+    }
+
+    /// As `ticks`, or `default` if the key is absent.
+    pub fn ticks_or(&self, key: &str, limit: Limit, default: Ticks) -> Result<Ticks, ConfigError> {
+        if self.has(key) { self.ticks(key, limit) } else { Ok(default) }
     }
 
     /// An array of exactly `N` numbers, each within `limit`.

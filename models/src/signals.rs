@@ -3,8 +3,11 @@
 //!
 //! Wiring rule: an output of one component feeds the input of the same name in the other.
 
-/// Feet that the table has room for; a vehicle with fewer leaves the last slots at zero.
+/// Feet that the table has room for; a vehicle with fewer leaves the last slots at their start.
 pub const FOOT_SLOTS: usize = 6;
+
+/// Sensors in `sensor_valid` and `sensor_samples` (`scenario::PerSensor` has their order).
+pub const SENSOR_SLOTS: usize = 6;
 
 /// One named signal of `size` scalars.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +25,8 @@ pub struct Signal {
 impl Signal {
     /// Start value of scalar `index`; an attitude starts as the identity quaternion.
     pub fn start_of(&self, index: usize) -> f64 {
-        if self.name == ATTITUDE_WB.name && index > 0 { 0.0 } else { self.start }
+        let attitude = self.name.ends_with(ATTITUDE_WB.name);
+        if attitude && index > 0 { 0.0 } else { self.start }
     }
 
     /// `name` for a scalar, `name[1]` … `name[size]` for an array.
@@ -99,7 +103,12 @@ const fn scalar(name: &'static str, unit: &'static str, description: &'static st
 
 /// A result: NaN until the thing it measures has happened.
 const fn result(name: &'static str, unit: &'static str, description: &'static str) -> Signal {
-    Signal { name, size: 1, unit, start: f64::NAN, description }
+    Signal { start: f64::NAN, ..scalar(name, unit, description) }
+}
+
+/// A result for each foot: NaN until it has happened there, and for slots without a foot.
+const fn foot_result(name: &'static str, unit: &'static str, description: &'static str) -> Signal {
+    Signal { start: f64::NAN, ..vector(name, FOOT_SLOTS, unit, description) }
 }
 
 // Truth to guidance: the navigation solution, perfect for now.
@@ -167,7 +176,7 @@ pub const TRUTH: Interface = Interface {
         scalar(
             "outcome",
             "1",
-            "0 in_flight, 1 landed, 2 slid, 3 tipped, 4 struck, 5 crashed, 6 no_contact",
+            "0 in_flight, 1 landed, 2 slid, 3 tipped, 4 struck, 5 crashed, 6 no_contact, 7 bottomed",
         ),
         result("position_error_m", "m", "Horizontal distance of O from the target"),
         result("contact_time_s", "s", "Time of first contact"),
@@ -183,14 +192,69 @@ pub const TRUTH: Interface = Interface {
         ),
         result("contact_tilt_deg", "deg", "Tilt from the vertical at first contact"),
         result("contact_rate_deg_s", "deg/s", "Magnitude of the angular rate at first contact"),
+        foot_result("foot_contact_time_s", "s", "Time at which each footpad first touched"),
+        foot_result(
+            "foot_contact_speed_normal_m_s",
+            "m/s",
+            "Speed of each footpad into the ground when it first touched, along the local normal",
+        ),
+        foot_result(
+            "foot_contact_speed_tangential_m_s",
+            "m/s",
+            "Speed of each footpad along the local ground when it first touched",
+        ),
         result("rest_tilt_deg", "deg", "Tilt from the vertical when the run ended on the ground"),
+        result(
+            "rest_tilt_to_ground_deg",
+            "deg",
+            "Angle between the body axis and the normal of the ground below the footpads then",
+        ),
+        result(
+            "rest_heading_change_deg",
+            "deg",
+            "Turn about the vertical from first contact until then",
+        ),
+        result("rest_hull_clearance_m", "m", "Clearance of the hull above the ground then"),
+        result("rest_nozzle_clearance_m", "m", "Clearance of the nozzle above the ground then"),
+        result("least_hull_clearance_m", "m", "Least clearance of the hull since first contact"),
+        result(
+            "least_nozzle_clearance_m",
+            "m",
+            "Least clearance of the nozzle since first contact",
+        ),
+        scalar("hull_struck", "1", "1 once the hull has touched the ground"),
+        scalar("nozzle_struck", "1", "1 once the nozzle has touched the ground"),
+        scalar("leg_bottomed", "1", "1 once a strut has used up its stroke"),
         result("peak_stroke_m", "m", "Largest strut compression"),
         result("peak_leg_load_n", "N", "Largest axial strut load"),
+        result(
+            "peak_acceleration_m_s2",
+            "m/s2",
+            "Largest non-gravitational acceleration of the centre of mass since first contact, \
+             mean of a tick",
+        ),
+        result(
+            "peak_angular_acceleration_rad_s2",
+            "rad/s2",
+            "Largest angular acceleration since first contact, mean of a tick",
+        ),
         result(
             "tip_energy_margin_j",
             "J",
             "Least energy that was still lacking to tip over any edge since first contact",
         ),
+        result(
+            "tip_margin_now_j",
+            "J",
+            "Energy still lacking to tip over the worst edge now; negative beyond it",
+        ),
+        result(
+            "stability_distance_m",
+            "m",
+            "Least distance of the centre of mass inside the vertical planes through adjacent \
+             footpads since first contact",
+        ),
+        result("stability_distance_now_m", "m", "The same distance now; negative beyond an edge"),
         result(
             "tip_time_s",
             "s",
@@ -204,6 +268,45 @@ pub const TRUTH: Interface = Interface {
         scalar("propellant_used_kg", "kg", "Propellant used"),
         scalar("flight_time_s", "s", "Time from start to first contact, or so far"),
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),
+        scalar("slosh_angle_deg", "deg", "Largest angle of a slosh pendulum from the body axis"),
+        scalar("faults_active", "1", "Failure modes past their onset"),
+        vector(
+            "imu_specific_force_b",
+            3,
+            "m/s2",
+            "IMU: mean specific force of its mounting over its last period, body frame half way through",
+        ),
+        vector(
+            "imu_rate_b",
+            3,
+            "rad/s",
+            "IMU: rotation vector of its last period over the period's length, body frame",
+        ),
+        scalar("altimeter_range_m", "m", "Altimeter: slant range along body -z from its mounting"),
+        vector(
+            "velocimeter_velocity_b",
+            3,
+            "m/s",
+            "Velocimeter: velocity of its mounting point against the ground, body frame",
+        ),
+        Signal {
+            name: "star_tracker_attitude_wb",
+            description: "Star tracker: unit quaternion (w, x, y, z), body to world",
+            ..ATTITUDE_WB
+        },
+        vector("landmark_position_w", 3, "m", "Landmark fix: position of O, world frame"),
+        vector(
+            "sensor_valid",
+            SENSOR_SLOTS,
+            "1",
+            "1: last sample arrived; IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
+        ),
+        vector(
+            "sensor_samples",
+            SENSOR_SLOTS,
+            "1",
+            "Samples that arrived so far, in the order of sensor_valid: a change is a new reading",
+        ),
     ],
 };
 

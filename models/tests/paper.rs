@@ -5,6 +5,7 @@ use std::path::Path;
 
 use lander_models::frames::from_paper_axes;
 use lander_models::quantity::{Limit, Section};
+use lander_models::scenario::Disturbances;
 use lander_models::vehicle::{G0_M_S2, Vehicle};
 
 const BUG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/vehicles/bug.toml");
@@ -63,7 +64,7 @@ fn derived_figures_agree_with_the_printed_ones() {
     let vehicle = Vehicle::load(Path::new(BUG)).unwrap();
     let (mass, engine) = (&vehicle.mass, &vehicle.engine);
     let diameter_m = number("footprint_diameter", "m");
-    for foot_b in &vehicle.gear.feet_b {
+    for foot_b in vehicle.gear.feet_b() {
         close(2.0 * foot_b.xy().norm(), diameter_m, 1e-6);
     }
     close(mass.wet_mass_kg(), number("wet_mass", "kg"), 0.05);
@@ -120,4 +121,26 @@ fn the_comparison_table_is_consistent_but_for_one_row() {
     // Morpheus: 20 kN and 1,050 kg give 1.94, not the printed 2.3, which needs 24 kN.
     close(computed(3), 1.94, 0.005);
     close(ratio[3], 2.3, 1e-9);
+}
+
+#[test]
+fn the_disturbance_presets_are_the_paper_s_two_tables() {
+    let (runs, engine) = (Disturbances::MONTE_CARLO_TABLE, Disturbances::ENGINE_TABLE);
+    // Conversion of degrees rounds once.
+    for (value, key, unit) in [
+        (runs.initial_position_m, "mc_position", "m"),
+        (runs.initial_velocity_m_s, "mc_velocity", "m/s"),
+        (runs.mass, "mc_mass", "1"),
+        (runs.thrust_bias, "mc_thrust_bias", "1"),
+        (runs.thrust_noise, "mc_thrust_noise", "1"),
+        (runs.pointing_bias_rad.to_degrees(), "mc_pointing_bias", "deg"),
+        (runs.pointing_jitter_rad.to_degrees(), "mc_pointing_jitter", "deg"),
+        (runs.gravity, "mc_gravity", "1"),
+        (runs.specific_impulse, "mc_specific_impulse", "1"),
+        (runs.acceleration_noise_m_s2, "mc_process_noise", "m/s2"),
+        (engine.thrust_bias, "thrust_error_1_sigma", "1"),
+        (engine.pointing_bias_rad.to_degrees(), "pointing_error_1_sigma", "deg"),
+    ] {
+        close(value, number(key, unit), 1e-15);
+    }
 }

@@ -87,6 +87,40 @@ fn gear_that_contact_cannot_hold_is_refused() {
 }
 
 #[test]
+fn faults_and_disturbances_that_make_no_sense_are_refused() {
+    let with = |text: &str| scenario_error("[run]", &format!("{text}\n[run]"));
+    let onset = "onset = { value = 1.0, unit = \"s\" }";
+    says(&with("[faults.engine_shutof]"), &["`faults.engine_shutof`", "engine_shutoff, "]);
+    says(&with("[faults.engine_shutoff]"), &["`faults.engine_shutoff.onset`", "missing"]);
+    let error = with(&format!("[faults.sensor_failure]\n{onset}"));
+    says(&error, &["`faults.sensor_failure.sensor`", "missing"]);
+    let error = with(&format!(
+        "[faults.thrust_degradation]\n{onset}\nfraction = {{ value = 1.5, unit = \"1\" }}"
+    ));
+    says(&error, &["`faults.thrust_degradation.fraction`", "1.5", "[0, 1]"]);
+    let error = with("[faults.gimbal_seizure]\nonset = { value = 0.0005, unit = \"s\" }");
+    says(&error, &["`faults.gimbal_seizure.onset`", "whole"]);
+    let error = with("[disturbances]\npreset = \"engine\"");
+    says(&error, &["`disturbances.preset`", "engine-table"]);
+    let error = with("[disturbances]\nmass = { value = 0.5, unit = \"1\" }");
+    says(&error, &["`disturbances.mass`", "0.5", "must lie in"]);
+}
+
+#[test]
+fn engine_and_thruster_data_that_make_no_sense_are_refused() {
+    let error = vehicle_error("[0.1538, 210.0], ", "");
+    says(&error, &["`engine.specific_impulse_table`", "two rows"]);
+    let table = BUG.lines().find(|line| line.starts_with("specific_impulse_table")).unwrap();
+    let text = BUG.replace(table, "").replace("_model = \"constant\"", "_model = \"throttle\"");
+    let error = Vehicle::parse(Path::new("bug.toml"), &text).unwrap_err().to_string();
+    says(&error, &["`engine.specific_impulse_model`", "specific_impulse_table"]);
+    let error = vehicle_error("min_pulse = { value = 0.02", "min_pulse = { value = 0.0205");
+    says(&error, &["`rcs.min_pulse`", "whole"]);
+    let error = vehicle_error("min_pulse", "least_pulse");
+    says(&error, &["`rcs.min_pulse`", "missing"]);
+}
+
+#[test]
 fn a_vehicle_s_number_needs_its_source_and_grade() {
     let error = vehicle_error("source = \"paper, Table III\", ", "");
     says(&error, &["`mass.dry_mass`", "no source"]);
@@ -111,4 +145,25 @@ fn every_shipped_scenario_loads() {
         count += 1;
     }
     assert!(count >= 5);
+}
+
+#[test]
+fn sensors_that_cannot_be_are_refused() {
+    let with = |section: &str| scenario_error("[run]", &format!("{section}\n\n[run]"));
+    let error = with("[sensors]\nnavigation = \"sextant\"");
+    says(&error, &["`sensors.navigation`", "sextant", "perfect, sensors"]);
+    let error = with("[sensors.altimeter]\ndrop_outs = { value = [[1.0, 0.0005]], unit = \"s\" }");
+    says(&error, &["`sensors.altimeter.drop_outs`", "0.0005", "whole"]);
+    let error = with("[sensors.imu]\ndrop_out_probability = { value = 1.5, unit = \"1\" }");
+    says(&error, &["`sensors.imu.drop_out_probability`", "1.5", "[0, 1]"]);
+    let error = vehicle_error("[0.3, 2000.0]", "[2000.0, 0.3]");
+    says(&error, &["`sensors.altimeter.range`", "must rise"]);
+    let error = vehicle_error("[-0.5, 0.0, 0.8660254]", "[0.0, 0.0, 0.0]");
+    says(&error, &["`sensors.star_tracker.boresight_b`", "no direction"]);
+    // A vehicle without sensors flies with perfect navigation only.
+    let (from, to) = (BUG.find("[sensors.imu]").unwrap(), BUG.find("[as_printed]").unwrap());
+    let bare = Vehicle::parse(Path::new("bare.toml"), &(BUG[..from].to_owned() + &BUG[to..]));
+    let text = format!("{SCENARIO}\n[sensors]\nnavigation = \"sensors\"\n");
+    let error = Scenario::parse(Path::new("landing.toml"), &text, &bare.unwrap()).unwrap_err();
+    says(&error.to_string(), &["`sensors.navigation`", "BUG", "no section [sensors]"]);
 }

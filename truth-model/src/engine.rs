@@ -1,19 +1,92 @@
-//! YUNT V0: throttle range, dead zone, lag, gimbal with rate limit, mass flow (T.4 to T.7).
+//! YUNT V0: throttle, dead zone, start and tail-off, gimbal with rate limit, mass flow (T.4 to
+//! T.7, T.60 to T.62).
 
+use lander_models::Ticks;
 use lander_models::scenario::Ignition;
-use lander_models::vehicle::{Engine, G0_M_S2};
+use lander_models::vehicle::{DeadZone, Engine, G0_M_S2};
 use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
 
-/// Thrust that the engine settles at for a command held, N.
-///
-/// Off at or below 0; in the dead zone combustion is not sustained, so off as well; between the
-/// dead zone and the floor the throttle stop holds it at the floor.
-pub fn thrust_target_n(engine: &Engine, ignition: Ignition, command_n: f64) -> f64 {
-    if ignition == Ignition::Never || command_n < engine.dead_zone_n.max(f64::MIN_POSITIVE) {
-        0.0
-    } else {
-        command_n.clamp(engine.thrust_min_n, engine.thrust_max_n)
+use crate::random;
+
+/// Where the engine is between off and steady (T.61).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Off, or tailing off.
+    #[default]
+    Off,
+    /// Valves open, no thrust for so many ticks more.
+    Igniting(Ticks),
+    /// Rising for the first time.
+    Starting,
+    /// Follows the throttle.
+    Running,
+}
+
+/// Share of the thrust floor at which the start is over.
+const STARTED_SHARE: f64 = 0.9;
+
+/// Time for which unstable combustion stays lit or out: short against the vehicle's motion, long
+/// against the chamber's filling.
+const FLICKER: Ticks = Ticks(50);
+
+impl Phase {
+    /// Phase of the next tick, for a thrust asked of the valves; 0 is off.
+    pub fn next(self, engine: &Engine, asked_n: f64, thrust_n: f64) -> Self {
+        if asked_n <= 0.0 {
+            return Self::Off;
+        }
+        match self {
+            Self::Off if engine.ignition_delay > Ticks::ZERO => {
+                Self::Igniting(engine.ignition_delay)
+            }
+            Self::Igniting(Ticks(left)) if left > 1 => Self::Igniting(Ticks(left - 1)),
+            Self::Off | Self::Igniting(_) => Self::Starting,
+            Self::Starting if thrust_n >= STARTED_SHARE * engine.thrust_min_n.min(asked_n) => {
+                Self::Running
+            }
+            same => same,
+        }
     }
+
+    /// Lag with which thrust follows, s.
+    fn lag_s(self, engine: &Engine) -> f64 {
+        match self {
+            Self::Off | Self::Igniting(_) => engine.tail_off_lag_s,
+            Self::Starting => engine.ignition_lag_s,
+            Self::Running => engine.thrust_lag_s,
+        }
+    }
+
+    /// Whether there is fire in the chamber.
+    pub fn burns(self) -> bool {
+        matches!(self, Self::Starting | Self::Running)
+    }
+}
+
+/// Thrust that the valves are set for by a command held, N; 0 is closed (T.60).
+///
+/// In the dead zone combustion is not sustained: closed, or open for what was asked if the engine
+/// is one that flickers; between the dead zone and the floor the throttle stop holds it at the
+/// floor.
+pub fn thrust_asked_n(engine: &Engine, ignition: Ignition, command_n: f64) -> f64 {
+    if ignition == Ignition::Never || command_n <= 0.0 {
+        0.0
+    } else if in_dead_zone(engine, command_n) {
+        match engine.dead_zone {
+            DeadZone::Off => 0.0,
+            DeadZone::Unstable => command_n,
+        }
+    } else {
+        let command_n = command_n.clamp(engine.thrust_min_n, engine.thrust_max_n);
+        engine.throttle.as_ref().map_or(command_n, |throttle| throttle.at(command_n))
+    }
+}
+
+/// Whether combustion that a dead-zone command cannot sustain is lit now: for a share
+/// command/limit of the time (T.62).
+pub fn is_lit(engine: &Engine, command_n: f64, seed: u64, now: Ticks) -> bool {
+    random::uniform(seed, "dead zone", now.0 / FLICKER.0) < command_n / engine.dead_zone_n
 }
 
 /// Whether a command asks for thrust that the engine cannot sustain.
@@ -27,8 +100,14 @@ pub fn gimbal_target_rad(engine: &Engine, command_rad: Vector2<f64>) -> Vector2<
 }
 
 /// Thrust after `time_s` of a held target: first-order lag, exact (T.5).
-pub fn thrust_after_n(engine: &Engine, thrust_n: f64, target_n: f64, time_s: f64) -> f64 {
-    target_n + (thrust_n - target_n) * (-time_s / engine.thrust_lag_s).exp()
+pub fn thrust_after_n(
+    engine: &Engine,
+    phase: Phase,
+    thrust_n: f64,
+    target_n: f64,
+    time_s: f64,
+) -> f64 {
+    target_n + (thrust_n - target_n) * (-time_s / phase.lag_s(engine)).exp()
 }
 
 /// Gimbal angles after `time_s` of a held target: first-order lag within the rate limit, exact
@@ -54,9 +133,16 @@ pub fn gimbal_after_rad(
 }
 
 /// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
+#[inline]
 pub fn thrust_direction_b(gimbal_rad: Vector2<f64>) -> Vector3<f64> {
     let ((sin_x, cos_x), (sin_y, cos_y)) = (gimbal_rad.x.sin_cos(), gimbal_rad.y.sin_cos());
     Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)
+}
+
+/// Specific impulse at a thrust, s: constant, or by throttle.
+pub fn isp_s(engine: &Engine, thrust_n: f64) -> f64 {
+    let by_throttle = engine.isp_by_throttle.as_ref();
+    by_throttle.map_or(engine.isp_s, |isp| isp.at(thrust_n / engine.thrust_max_n))
 }
 
 /// Propellant flow of a thruster, kg/s (T.7).
@@ -75,7 +161,7 @@ mod tests {
 
     #[test]
     fn commands_map_onto_the_throttle_range() {
-        let target = |command| thrust_target_n(&yunt(), Ignition::Nominal, command);
+        let target = |command| thrust_asked_n(&yunt(), Ignition::Nominal, command);
         for (command, thrust) in [
             (-5.0, 0.0),
             (0.0, 0.0),
@@ -87,7 +173,7 @@ mod tests {
         ] {
             assert_eq!(target(command), thrust, "command {command} N");
         }
-        assert_eq!(thrust_target_n(&yunt(), Ignition::Never, 3000.0), 0.0);
+        assert_eq!(thrust_asked_n(&yunt(), Ignition::Never, 3000.0), 0.0);
     }
 
     #[test]
@@ -103,7 +189,7 @@ mod tests {
             // A forward difference errs by h/2 times the second derivative, rate/lag = 7 rad/s².
             assert!((slope - expected).norm() < 1e-5, "t = {t} s: {slope} is not {expected}");
         }
-        let thrust_n = thrust_after_n(&engine, 0.0, 1000.0, engine.thrust_lag_s);
+        let thrust_n = thrust_after_n(&engine, Phase::Running, 0.0, 1000.0, engine.thrust_lag_s);
         assert!((thrust_n - 1000.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-9);
     }
 

@@ -3,9 +3,16 @@
 //! Plain library: no FMI, no output, no clock, no threads. Equations (T.n) in the README.
 
 pub mod contact;
+pub mod disturbances;
 pub mod engine;
+pub mod faults;
 pub mod flight;
 pub mod gear;
+pub mod propulsion;
+pub mod random;
+pub mod rcs;
+pub mod sensors;
+pub mod slosh;
 pub mod stability;
 pub mod terrain;
 pub mod verdict;

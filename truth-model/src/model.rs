@@ -3,16 +3,21 @@
 use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
 use lander_models::scenario::Scenario;
-use lander_models::signals::{self, Interface};
+use lander_models::signals::{self, FOOT_SLOTS, Interface};
 use lander_models::time::{TICK_S, Ticks};
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{ContactWorld, Touch};
+use crate::contact::{Contact, Site};
+use crate::disturbances::{self, Biases};
 use crate::engine;
-use crate::flight::{self, Drive, Motion};
-use crate::gear::Leg;
+use crate::flight::{self, Motion};
+use crate::gear::LegState;
+use crate::propulsion::{Command, Drive, Plant, Propulsion};
+use crate::sensors::{SensorState, SensorSuite};
+use crate::slosh::Pendulums;
+use crate::terrain::Ground;
 use crate::verdict::Touchdown;
 
 /// The contact engine takes over when the lowest point may be this close, m, plus what two ticks
@@ -31,8 +36,12 @@ const START_SPEED_M_S: f64 = 1e-3;
 /// Constant configuration.
 #[derive(Clone, Debug)]
 pub struct TruthModel {
-    pub scenario: Scenario,
-    pub vehicle: Vehicle,
+    scenario: Scenario,
+    vehicle: Vehicle,
+    biases: Biases,
+    /// The scenario's terrain, made ready for queries.
+    ground: Ground,
+    sensors: SensorSuite,
 }
 
 /// All that a bit-exact restart needs.
@@ -40,27 +49,58 @@ pub struct TruthModel {
 pub struct State {
     pub now: Ticks,
     pub motion: Motion,
+    pub command: Command,
+    /// What the command came to in the last tick.
     pub drive: Drive,
-    pub legs: Vec<Leg>,
-    pub contact: Option<ContactWorld>,
-    pub feet_down: Vec<bool>,
+    pub propulsion: Propulsion,
+    pub legs: Vec<LegState>,
+    pub contact: Option<Contact>,
+    pub feet_down: [bool; FOOT_SLOTS],
     /// Has been clear of the ground, so the next contact is a touchdown.
     pub airborne: bool,
     pub touchdown: Touchdown,
     /// Mean non-gravitational acceleration of the centre of mass over the last step.
     pub specific_force_b: Vector3<f64>,
     pub dead_zone: Ticks,
+    pub sensors: SensorState,
 }
 
 impl TruthModel {
     pub fn new(scenario: Scenario, vehicle: Vehicle) -> Self {
-        Self { scenario, vehicle }
+        let biases = Biases::draw(&scenario.disturbances, scenario.seed);
+        let (scenario, vehicle) = disturbances::disperse(scenario, vehicle);
+        let ground = Ground::new(&scenario.terrain);
+        let sensors = SensorSuite::new(&scenario, &vehicle);
+        Self { scenario, vehicle, biases, ground, sensors }
+    }
+
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    pub fn sensors(&self) -> &SensorSuite {
+        &self.sensors
+    }
+
+    /// What contact engines work on.
+    pub fn site(&self) -> Site<'_> {
+        let gravity_w = Vector3::z() * -self.scenario.gravity_m_s2;
+        let Self { scenario, vehicle, ground, .. } = self;
+        let refinement = scenario.contact_refinement;
+        Site { vehicle, terrain: &scenario.terrain, ground, gravity_w, refinement }
     }
 
     /// State at t = 0.
     pub fn initial_state(&self) -> State {
         let start = &self.scenario.initial;
-        let feet = self.vehicle.gear.feet_b.len();
         let motion = Motion {
             position_w: start.position_w,
             velocity_w: start.velocity_w,
@@ -69,18 +109,22 @@ impl TruthModel {
             propellant_kg: start.propellant_kg,
             thrust_n: 0.0,
             gimbal_rad: Vector2::zeros(),
+            slosh: self.initial_slosh(),
         };
         let mut state = State {
             now: Ticks::ZERO,
             motion,
+            command: Command::default(),
             drive: Drive::default(),
-            legs: vec![Leg::default(); feet],
+            propulsion: Propulsion::default(),
+            legs: vec![LegState::default(); self.vehicle.gear.legs.len()],
             contact: None,
-            feet_down: vec![false; feet],
+            feet_down: [false; FOOT_SLOTS],
             airborne: false,
             touchdown: Touchdown::default(),
             specific_force_b: Vector3::zeros(),
             dead_zone: Ticks::ZERO,
+            sensors: self.start_sensors(&motion),
         };
         // A vehicle that starts on its feet at rest lifts off first; any other start is a flight.
         state.airborne =
@@ -88,90 +132,78 @@ impl TruthModel {
         state
     }
 
+    fn initial_slosh(&self) -> Pendulums {
+        let tanks = self.vehicle.slosh.as_ref().filter(|_| self.scenario.sloshes());
+        tanks.map(Pendulums::hanging).unwrap_or_default()
+    }
+
     /// Advances one tick of `TICK_S`.
     pub fn tick(&self, state: &mut State) -> Result<StepReport, ModelError> {
         let limits = &self.scenario.touchdown;
         let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
+        let site = self.site();
         self.choose_engine(state);
-        if let Some(mut world) = state.contact.take() {
+        let Self { scenario, vehicle, biases, .. } = self;
+        let plant = Plant { scenario, vehicle, biases };
+        if let Some(angle_rad) = scenario.faults.slosh_onset(state.now) {
+            state.motion.slosh.excite(angle_rad, 0.0, 0.0);
+        }
+        state.drive = state.propulsion.drive(&plant, state.now, &state.command, &state.motion);
+        if let Some(mut contact) = state.contact.take() {
             let before = state.motion;
-            let touch = self.contact_tick(&mut world, state)?;
+            let touch = contact.step(&site, &mut state.motion, &mut state.legs, &state.drive);
+            let touch = touch.ok_or_else(|| diverged(state, "a body in contact"))?;
             let sight = self.sight(state, &before, &touch);
-            state.contact = Some(world);
+            state.contact = Some(contact);
             state.touchdown.look(limits, &sight);
             state.feet_down = touch.feet;
         } else {
+            let Site { vehicle, gravity_w, .. } = site;
             state.motion = flight::advance(
-                &self.vehicle,
-                self.scenario.gravity_m_s2,
+                vehicle,
+                &gravity_w,
                 &state.motion,
                 &state.drive,
                 TICK_S,
+                flight::free,
             );
+            self.watch_flight(state);
         }
         state.now += Ticks(1);
         if state.now >= self.scenario.stop_time {
-            state.touchdown.end(limits);
+            state.touchdown.end();
         }
         if !state.motion.is_finite() {
             return Err(diverged(state, "motion"));
         }
+        self.sense(state, &self.scenario.faults.failed_sensors(state.now));
         Ok(StepReport {
             event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
             terminate: state.touchdown.decided(),
         })
     }
 
-    /// Propulsion and mass go on while the contact engine owns the motion.
-    fn contact_tick(
-        &self,
-        world: &mut ContactWorld,
-        state: &mut State,
-    ) -> Result<Touch, ModelError> {
-        let motion = &mut state.motion;
-        let wrench = flight::propulsion(&self.vehicle, motion, &state.drive);
-        let touch = world.step(&self.vehicle, motion, &mut state.legs, &wrench);
-        let flow_kg_s = flight::propellant_flow_kg_s(&self.vehicle, motion, &state.drive);
-        motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
-        (motion.thrust_n, motion.gimbal_rad) =
-            flight::actuators_after(&self.vehicle, motion, &state.drive, TICK_S);
-        touch.ok_or_else(|| diverged(state, "a body in contact"))
-    }
-
     fn choose_engine(&self, state: &mut State) {
+        // A pad that touched in the last tick is neither clear of the ground nor new to it.
+        if state.contact.is_some() && state.feet_down.contains(&true) {
+            return;
+        }
         let lowest_m = self.lowest_m(state);
         state.airborne |= lowest_m > AIRBORNE_GAP_M;
         let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();
         if state.contact.is_none() && lowest_m < near_m {
-            state.contact = Some(ContactWorld::take_over(
-                &self.vehicle,
-                &self.scenario.terrain,
-                self.scenario.gravity_m_s2,
-                &state.motion,
-                &state.legs,
-            ));
+            let choice = self.scenario.contact_engine;
+            let (motion, legs) = (&state.motion, &state.legs);
+            state.contact = Some(Contact::take_over(choice, &self.site(), motion, legs));
         } else if state.contact.is_some() && lowest_m > HAND_BACK_GAP_M.max(2.0 * near_m) {
             // Off the ground the struts spring back to their crushed length.
             state.contact = None;
             state.feet_down.fill(false);
             for leg in &mut state.legs {
-                *leg = Leg { stroke_m: leg.crushed_m, load_n: 0.0, ..*leg };
+                let crushed_m = leg.crushed_m;
+                *leg = LegState { stroke_m: crushed_m, crushed_m, ..LegState::default() };
             }
         }
-    }
-
-    fn take_commands(&self, state: &mut State, inputs: &[f64]) {
-        let (engine, rcs) = (&self.vehicle.engine, &self.vehicle.rcs);
-        // Order of the truth's inputs in the signal table.
-        let [thrust_n, gimbal_x, gimbal_y, torque_x, torque_y, torque_z] =
-            std::array::from_fn(|n| inputs[n]);
-        let limit = rcs.torque_max_b;
-        state.drive = Drive {
-            thrust_target_n: engine::thrust_target_n(engine, self.scenario.ignition, thrust_n),
-            gimbal_target_rad: engine::gimbal_target_rad(engine, Vector2::new(gimbal_x, gimbal_y)),
-            rcs_torque_b: Vector3::new(torque_x, torque_y, torque_z)
-                .zip_map(&limit, |t, max| t.clamp(-max, max)),
-        };
     }
 }
 
@@ -208,7 +240,7 @@ impl Component for TruthModel {
         }
         let start = state.now;
         let start_velocity_w = self.com_velocity_w(&state.motion);
-        self.take_commands(state, inputs);
+        state.command = Command::from_inputs(inputs);
         let mut report = StepReport::default();
         while state.now.0 < start.0 + duration.0 && !report.terminate {
             let tick = self.tick(state)?;

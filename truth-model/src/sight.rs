@@ -1,14 +1,16 @@
 //! Geometry of a state against the ground, and what the verdict gets to see of it.
 
-use lander_models::frames::tilt_rad;
+use lander_models::mass::MassProperties;
+use lander_models::signals::FOOT_SLOTS;
+use lander_models::time::TICK_S;
 use nalgebra::Vector3;
 
-use crate::contact::Touch;
+use crate::contact::{Structure, Touch};
 use crate::flight::Motion;
 use crate::model::{State, TruthModel};
-use crate::stability::{Tipping, tip_state};
-use crate::terrain;
-use crate::verdict::{Impact, Sight};
+use crate::stability::{TipState, Tipping, tip_state};
+use crate::terrain::Cylinder;
+use crate::verdict::{FootImpact, Impact, Sight};
 
 /// A strut within this of its stop has no stroke left, m: the stop gives by as much under load.
 const BOTTOMED_GAP_M: f64 = 1e-4;
@@ -16,82 +18,166 @@ const BOTTOMED_GAP_M: f64 = 1e-4;
 impl TruthModel {
     /// Pads' ground points from O at the struts' present length.
     pub fn feet_b<'a>(&'a self, state: &'a State) -> impl Iterator<Item = Vector3<f64>> + 'a {
-        let legs = state.legs.iter();
-        self.vehicle.gear.feet_b.iter().zip(legs).map(|(f, leg)| f + Vector3::z() * leg.stroke_m)
+        let legs = self.vehicle().gear.legs.iter().zip(&state.legs);
+        legs.map(|(leg, now)| leg.foot_b + leg.stroke_axis_b * now.stroke_m)
+    }
+
+    /// Compression and axial load of each primary strut, m and N.
+    pub fn struts<'a>(&'a self, state: &'a State) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let legs = self.vehicle().gear.legs.iter().zip(&state.legs);
+        legs.map(|(leg, now)| (now.stroke_m * leg.strut_ratio, now.load_n / leg.strut_ratio))
     }
 
     /// Clearance of each pad, m.
     pub fn foot_clearances_m<'a>(&'a self, state: &'a State) -> impl Iterator<Item = f64> + 'a {
-        let radius_m = self.vehicle.gear.pad_radius_m;
+        let radius_m = self.vehicle().gear.pad_radius_m;
         self.feet_b(state).map(move |foot_b| {
             let centre_w = state.motion.point_position_w(&(foot_b + Vector3::z() * radius_m));
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - radius_m
+            self.ground().ball_clearance_m(&centre_w, radius_m)
         })
+    }
+
+    /// Clearance of hull and nozzle, m; negative below ground.
+    pub fn structure_clearance_m(&self, motion: &Motion) -> Structure<f64> {
+        let (hull, engine) = (&self.vehicle().hull, &self.vehicle().engine);
+        let nozzle_top_m = engine.pivot_b.z.max(engine.nozzle_exit_height_m + 0.01);
+        let clearance_m = |bottom_m: f64, top_m: f64, radius_m: f64| {
+            let at_w = |height_m: f64| motion.point_position_w(&(Vector3::z() * height_m));
+            let part = Cylinder { bottom_w: at_w(bottom_m), top_w: at_w(top_m), radius_m };
+            self.ground().cylinder_clearance_m(&part)
+        };
+        Structure {
+            hull: clearance_m(hull.bottom_height_m, hull.top_height_m, hull.radius_m),
+            nozzle: clearance_m(
+                engine.nozzle_exit_height_m,
+                nozzle_top_m,
+                engine.nozzle_exit_radius_m,
+            ),
+        }
     }
 
     /// Clearance of the lowest point of pads, hull and nozzle, m.
     pub fn lowest_m(&self, state: &State) -> f64 {
-        let (hull, engine) = (&self.vehicle.hull, &self.vehicle.engine);
-        let normal_b = state.motion.attitude_wb.inverse() * self.scenario.terrain.normal_w();
-        let rims = [
-            (hull.bottom_height_m, hull.radius_m),
-            (hull.top_height_m, hull.radius_m),
-            (engine.nozzle_exit_height_m, engine.nozzle_exit_radius_m),
-        ]
-        .map(|(height_m, radius_m)| {
-            let centre_w = state.motion.point_position_w(&(Vector3::z() * height_m));
-            // The lowest point of a disc across the body's axis.
-            let drop_m = radius_m * normal_b.xy().norm();
-            terrain::clearance_m(&self.scenario.terrain, &centre_w) - drop_m
-        });
-        self.foot_clearances_m(state).chain(rims).fold(f64::INFINITY, f64::min)
+        let structure = self.structure_clearance_m(&state.motion);
+        self.foot_clearances_m(state).fold(structure.hull.min(structure.nozzle), f64::min)
+    }
+
+    /// Normal of the ground on the scale of the footprint: of the polygon of ground points below
+    /// the pads (T.23).
+    pub fn footprint_normal_w(&self, state: &State) -> Vector3<f64> {
+        let origin_w = state.motion.position_w;
+        let below_w: Vec<_> = (self.feet_b(state))
+            .map(|foot_b| {
+                let mut foot_w = state.motion.point_position_w(&foot_b);
+                foot_w.z = self.ground().height_m(foot_w.x, foot_w.y);
+                foot_w - origin_w
+            })
+            .collect();
+        let next_w = below_w.iter().cycle().skip(1);
+        let area_w: Vector3<f64> = below_w.iter().zip(next_w).map(|(a, b)| a.cross(b)).sum();
+        // A vehicle on its head goes round the other way.
+        area_w.try_normalize(1e-9).map_or(Vector3::z(), |normal_w| normal_w * normal_w.z.signum())
     }
 
     /// Velocity of the centre of mass, world frame.
     pub fn com_velocity_w(&self, motion: &Motion) -> Vector3<f64> {
-        motion.point_velocity_w(&self.vehicle.mass.at(motion.propellant_kg).com_b)
+        motion.point_velocity_w(&self.vehicle().mass.at(motion.propellant_kg).com_b)
+    }
+
+    /// Tip-over margin and stability distance of this moment.
+    pub fn tip_state(&self, state: &State, mass: &MassProperties) -> TipState {
+        let motion = &state.motion;
+        let to_body = motion.attitude_wb.inverse();
+        let tipping = Tipping {
+            mass_kg: mass.mass_kg,
+            com_b: mass.com_b,
+            com_velocity_b: to_body * motion.velocity_w + motion.rate_b.cross(&mass.com_b),
+            rate_b: motion.rate_b,
+            inertia_b: mass.inertia_b,
+            up_b: to_body * Vector3::z(),
+            gravity_m_s2: self.scenario().gravity_m_s2,
+        };
+        let mut feet_b = [Vector3::zeros(); FOOT_SLOTS];
+        for (slot, foot_b) in feet_b.iter_mut().zip(self.feet_b(state)) {
+            *slot = foot_b;
+        }
+        tip_state(&tipping, &feet_b[..state.legs.len()])
     }
 
     /// `before` is the motion before the tick that led to `state` and `touch`.
     pub(crate) fn sight(&self, state: &State, before: &Motion, touch: &Touch) -> Sight {
         let motion = &state.motion;
-        let feet_w: Vec<_> =
-            self.feet_b(state).map(|foot_b| motion.point_position_w(&foot_b)).collect();
-        let footprint_w = feet_w.iter().sum::<Vector3<f64>>() / feet_w.len() as f64;
-        let felt = touch.structure || touch.feet.contains(&true);
+        let mass = self.vehicle().mass.at(motion.propellant_kg);
+        let centre_b = self.feet_b(state).sum::<Vector3<f64>>() / state.legs.len() as f64;
+        let footprint_w = motion.point_position_w(&centre_b);
+        let com_velocity_w = motion.point_velocity_w(&mass.com_b);
+        let gained_w = com_velocity_w - before.point_velocity_w(&mass.com_b);
+        let specific_force_w = gained_w / TICK_S + Vector3::z() * self.scenario().gravity_m_s2;
+        let felt = touch.structure.any() || touch.feet.contains(&true);
         // `state.feet_down` still is the last tick's.
         let new = felt && state.airborne && !state.feet_down.contains(&true);
         let impact = new.then(|| Impact {
             time: state.now,
             com_velocity_w: self.com_velocity_w(before),
-            tilt_rad: tilt_rad(&before.attitude_wb),
+            attitude_wb: before.attitude_wb,
             rate_rad_s: before.rate_b.norm(),
             footprint_w,
         });
-        let mass = self.vehicle.mass.at(motion.propellant_kg);
-        let rotation = motion.attitude_wb.to_rotation_matrix();
-        let tipping = Tipping {
-            mass_kg: mass.mass_kg,
-            com_w: motion.point_position_w(&mass.com_b),
-            com_velocity_w: self.com_velocity_w(motion),
-            rate_w: motion.attitude_wb * motion.rate_b,
-            inertia_w: rotation * mass.inertia_b * rotation.inverse(),
-            gravity_m_s2: self.scenario.gravity_m_s2,
-        };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let stroke_m = most(&mut state.legs.iter().map(|leg| leg.stroke_m));
         Sight {
             now: state.now,
             impact,
-            tip: tip_state(&tipping, &feet_w),
+            foot_impacts: self.foot_impacts(state, before, touch),
+            tip: self.tip_state(state, &mass),
             feet_down: touch.feet.iter().filter(|down| **down).count(),
             structure_down: touch.structure,
-            bottomed: stroke_m > self.vehicle.gear.stroke_max_m - BOTTOMED_GAP_M,
-            stroke_m,
-            load_n: most(&mut state.legs.iter().map(|leg| leg.load_n)),
-            speed_m_s: tipping.com_velocity_w.norm(),
+            clearance_m: self.structure_clearance_m(motion),
+            bottomed: (self.vehicle().gear.legs.iter().zip(&state.legs))
+                .any(|(leg, now)| now.stroke_m > leg.strut.stroke_max_m - BOTTOMED_GAP_M),
+            stroke_m: most(&mut self.struts(state).map(|(stroke_m, _)| stroke_m)),
+            load_n: most(&mut self.struts(state).map(|(_, load_n)| load_n)),
+            acceleration_m_s2: specific_force_w.norm(),
+            angular_acceleration_rad_s2: (motion.rate_b - before.rate_b).norm() / TICK_S,
+            speed_m_s: com_velocity_w.norm(),
             rate_rad_s: motion.rate_b.norm(),
+            attitude_wb: motion.attitude_wb,
             footprint_w,
         }
+    }
+
+    /// What the verdict gets to see of a tick of free flight.
+    pub(crate) fn watch_flight(&self, state: &mut State) {
+        if state.touchdown.first.is_some() {
+            let mass = self.vehicle().mass.at(state.motion.propellant_kg);
+            let supported = self.tip_state(state, &mass).supported();
+            state.touchdown.look_in_flight(state.now, supported, &state.motion.attitude_wb);
+        }
+    }
+
+    /// Pads that touch for the first time since the flight. Until then a strut is unloaded, at the
+    /// length to which it is crushed, so its pad moves with the body.
+    fn foot_impacts(
+        &self,
+        state: &State,
+        before: &Motion,
+        touch: &Touch,
+    ) -> [Option<FootImpact>; FOOT_SLOTS] {
+        let mut impacts = [None; FOOT_SLOTS];
+        if !state.airborne {
+            return impacts;
+        }
+        let legs = self.vehicle().gear.legs.iter().zip(&state.legs);
+        for (n, (leg, now)) in legs.enumerate() {
+            if touch.feet[n] && state.touchdown.feet[n].is_none() {
+                let foot_b = leg.foot_b + leg.stroke_axis_b * now.crushed_m;
+                let normal_w = self.ground().nearest(&before.point_position_w(&foot_b)).normal_w;
+                let velocity_w = before.point_velocity_w(&foot_b);
+                let normal_m_s = -velocity_w.dot(&normal_w);
+                let along_w = velocity_w + normal_w * normal_m_s;
+                let tangential_m_s = along_w.norm();
+                impacts[n] = Some(FootImpact { time: state.now, normal_m_s, tangential_m_s });
+            }
+        }
+        impacts
     }
 }

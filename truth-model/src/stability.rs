@@ -1,17 +1,20 @@
-//! Tip-over: the energy still lacking over each edge of the support polygon (T.14, T.15), and
-//! the closed forms it is held to (T.16, T.17).
+//! Tip-over: energy and distance still lacking over each edge of the support polygon (T.14, T.15,
+//! T.20), and the closed forms they are held to (T.16, T.17).
 
 use nalgebra::{Matrix3, Vector3};
 
-/// The vehicle as tip-over sees it.
+/// The vehicle as tip-over sees it: everything in body axes, positions from O.
 #[derive(Clone, Copy, Debug)]
 pub struct Tipping {
     pub mass_kg: f64,
-    pub com_w: Vector3<f64>,
-    pub com_velocity_w: Vector3<f64>,
-    pub rate_w: Vector3<f64>,
-    /// About the centre of mass, world axes.
-    pub inertia_w: Matrix3<f64>,
+    pub com_b: Vector3<f64>,
+    /// Velocity of the centre of mass against the ground.
+    pub com_velocity_b: Vector3<f64>,
+    pub rate_b: Vector3<f64>,
+    /// About the centre of mass.
+    pub inertia_b: Matrix3<f64>,
+    /// Against gravity, unit length.
+    pub up_b: Vector3<f64>,
     pub gravity_m_s2: f64,
 }
 
@@ -21,33 +24,43 @@ pub struct TipState {
     /// Least over all edges, J. Negative once the centre of mass is beyond an edge or has the
     /// energy to get there.
     pub margin_j: f64,
-    /// The centre of mass is vertically above the support polygon.
-    pub supported: bool,
+    /// Stability distance, m: of the centre of mass from the vertical plane through the nearest
+    /// edge, negative beyond it.
+    pub distance_m: f64,
 }
 
-/// `feet_w` are the pads' ground points, counter-clockwise seen from above.
+impl TipState {
+    /// The centre of mass is vertically above the support polygon.
+    pub fn supported(&self) -> bool {
+        self.distance_m >= 0.0
+    }
+}
+
+/// `feet_b` are the pads' ground points, counter-clockwise seen from above.
 ///
 /// For each edge: the height that the centre of mass must still climb to stand above the edge,
 /// less the kinetic energy of the rotation about it if the pads of that edge stopped dead now.
-pub fn tip_state(tipping: &Tipping, feet_w: &[Vector3<f64>]) -> TipState {
-    let mut state = TipState { margin_j: f64::INFINITY, supported: true };
-    for (n, foot_w) in feet_w.iter().enumerate() {
-        let next_w = feet_w[(n + 1) % feet_w.len()];
-        let Some(edge_w) = (next_w - foot_w).try_normalize(1e-9) else { continue };
-        let arm_w = tipping.com_w - foot_w;
-        let radius_w = arm_w - edge_w * arm_w.dot(&edge_w);
-        // Rotation about +edge carries a point above the edge outwards.
-        let outward_m = arm_w.dot(&edge_w.cross(&Vector3::z()));
-        let horizontal = (1.0 - edge_w.z * edge_w.z).max(0.0).sqrt();
-        let climb_m = radius_w.norm() * horizontal - radius_w.z;
+pub fn tip_state(tipping: &Tipping, feet_b: &[Vector3<f64>]) -> TipState {
+    let mut state = TipState { margin_j: f64::INFINITY, distance_m: f64::INFINITY };
+    let next = feet_b.iter().cycle().skip(1);
+    for (foot_b, next_b) in feet_b.iter().zip(next) {
+        let Some(edge_b) = (next_b - foot_b).try_normalize(1e-9) else { continue };
+        let arm_b = tipping.com_b - foot_b;
+        let radius_b = arm_b - edge_b * arm_b.dot(&edge_b);
+        // Level, out of the polygon, as long as the edge's level part.
+        let outward_b = edge_b.cross(&tipping.up_b);
+        let level = outward_b.norm();
+        // (T.20); an upright edge has no such plane: not a number, which `min` leaves out.
+        let distance_m = -arm_b.dot(&outward_b) / level;
+        let climb_m = radius_b.norm() * level - radius_b.dot(&tipping.up_b);
         let barrier_j = tipping.mass_kg * tipping.gravity_m_s2 * climb_m;
-        let margin_j = if outward_m > 0.0 {
-            state.supported = false;
+        let margin_j = if distance_m < 0.0 {
             -barrier_j
         } else {
-            barrier_j - tipping_energy_j(tipping, &edge_w, &arm_w, &radius_w)
+            barrier_j - tipping_energy_j(tipping, &edge_b, &arm_b, &radius_b)
         };
         state.margin_j = state.margin_j.min(margin_j);
+        state.distance_m = state.distance_m.min(distance_m);
     }
     state
 }
@@ -55,15 +68,16 @@ pub fn tip_state(tipping: &Tipping, feet_w: &[Vector3<f64>]) -> TipState {
 /// Kinetic energy of the outward rotation about an edge that captures the pads (T.15).
 fn tipping_energy_j(
     tipping: &Tipping,
-    edge_w: &Vector3<f64>,
-    arm_w: &Vector3<f64>,
-    radius_w: &Vector3<f64>,
+    edge_b: &Vector3<f64>,
+    arm_b: &Vector3<f64>,
+    radius_b: &Vector3<f64>,
 ) -> f64 {
-    let spin_w = tipping.inertia_w * tipping.rate_w;
-    let orbital_w = arm_w.cross(&tipping.com_velocity_w) * tipping.mass_kg;
-    let momentum = edge_w.dot(&(spin_w + orbital_w)).max(0.0);
+    let spin_b = tipping.inertia_b * tipping.rate_b;
+    let orbital_b = arm_b.cross(&tipping.com_velocity_b) * tipping.mass_kg;
+    // Rotation about +edge carries a point above the edge outwards.
+    let momentum = edge_b.dot(&(spin_b + orbital_b)).max(0.0);
     let inertia =
-        edge_w.dot(&(tipping.inertia_w * edge_w)) + tipping.mass_kg * radius_w.norm_squared();
+        edge_b.dot(&(tipping.inertia_b * edge_b)) + tipping.mass_kg * radius_b.norm_squared();
     momentum * momentum / (2.0 * inertia)
 }
 
@@ -105,10 +119,11 @@ mod tests {
     fn sliding(speed_m_s: f64) -> Tipping {
         Tipping {
             mass_kg: DRY_KG,
-            com_w: Vector3::new(0.0, 0.0, 1.38),
-            com_velocity_w: Vector3::new(speed_m_s, 0.0, 0.0),
-            rate_w: Vector3::zeros(),
-            inertia_w: Matrix3::from_diagonal(&Vector3::new(126.0, 126.1, 86.5)),
+            com_b: Vector3::new(0.0, 0.0, 1.38),
+            com_velocity_b: Vector3::new(speed_m_s, 0.0, 0.0),
+            rate_b: Vector3::zeros(),
+            inertia_b: Matrix3::from_diagonal(&Vector3::new(126.0, 126.1, 86.5)),
+            up_b: Vector3::z(),
             gravity_m_s2: 1.625,
         }
     }
@@ -138,7 +153,7 @@ mod tests {
     #[test]
     fn a_vertical_touchdown_has_the_whole_barrier_left() {
         let mut drop = sliding(0.0);
-        drop.com_velocity_w = Vector3::new(0.0, 0.0, -2.0);
+        drop.com_velocity_b = Vector3::new(0.0, 0.0, -2.0);
         let barrier_j = DRY_KG * 1.625 * (EDGE_M.hypot(1.38) - 1.38);
         assert!((tip_state(&drop, &square()).margin_j - barrier_j).abs() < 1e-10);
     }
@@ -146,8 +161,70 @@ mod tests {
     #[test]
     fn a_centre_of_mass_beyond_an_edge_is_unsupported_with_a_negative_margin() {
         let mut over = sliding(0.0);
-        over.com_w.x = EDGE_M + 0.01;
+        over.com_b.x = EDGE_M + 0.01;
         let state = tip_state(&over, &square());
-        assert!(!state.supported && state.margin_j < 0.0, "{state:?}");
+        assert!(!state.supported() && state.margin_j < 0.0, "{state:?}");
+        // Rounding of lengths near 1 m.
+        assert!((state.distance_m + 0.01).abs() < 1e-15);
+    }
+
+    /// Pads on a circle of 1.885 m, the first at `heading_rad`.
+    fn ring(feet: usize, heading_rad: f64) -> Vec<Vector3<f64>> {
+        (0..feet)
+            .map(|n| {
+                let angle = heading_rad + n as f64 * std::f64::consts::TAU / feet as f64;
+                Vector3::new(angle.cos(), angle.sin(), 0.0) * 1.885
+            })
+            .collect()
+    }
+
+    #[test]
+    fn on_a_slope_the_distance_shrinks_with_the_height_of_the_centre_of_mass() {
+        // Three to six feet, fall line across an edge: d cos β − h sin β, zero at the static tip
+        // angle (T.16). Tolerance: rounding of lengths near 2 m.
+        for feet in 3..=6 {
+            let apothem_m = 1.885 * (std::f64::consts::PI / feet as f64).cos();
+            let half = std::f64::consts::PI / feet as f64;
+            for slope_rad in [0.0, 0.2, static_tip_angle_rad(apothem_m, 1.38), 0.9] {
+                let mut standing = sliding(0.0);
+                standing.up_b = Vector3::new(-slope_rad.sin(), 0.0, slope_rad.cos());
+                let expected_m = apothem_m * slope_rad.cos() - 1.38 * slope_rad.sin();
+                // The edge that faces +x is the one from foot -half to foot +half.
+                let state = tip_state(&standing, &ring(feet, half));
+                assert!((state.distance_m - expected_m).abs() < 2e-15, "{feet}: {state:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn heading_and_axes_change_neither_margin_nor_distance() {
+        let moving = |turn: &nalgebra::Rotation3<f64>| Tipping {
+            com_b: turn * Vector3::new(0.1, -0.2, 1.38),
+            com_velocity_b: turn * Vector3::new(0.7, 0.3, -0.5),
+            rate_b: turn * Vector3::new(0.1, -0.2, 0.3),
+            inertia_b: turn
+                * Matrix3::from_diagonal(&Vector3::new(126.0, 126.1, 86.5))
+                * turn.inverse(),
+            up_b: turn * Vector3::new(0.1, 0.0, 0.99_f64.sqrt()),
+            ..sliding(0.0)
+        };
+        for feet in 3..=6 {
+            let here = nalgebra::Rotation3::identity();
+            let expected = tip_state(&moving(&here), &ring(feet, 0.3));
+            let turn = nalgebra::Rotation3::from_euler_angles(0.5, -1.1, 2.0);
+            let turned: Vec<_> = ring(feet, 0.3).iter().map(|foot_b| turn * foot_b).collect();
+            let state = tip_state(&moving(&turn), &turned);
+            // Rounding of energies near 500 J and lengths near 2 m.
+            assert!((state.margin_j - expected.margin_j).abs() < 1e-11, "{feet} feet");
+            assert!((state.distance_m - expected.distance_m).abs() < 1e-14, "{feet} feet");
+        }
+    }
+
+    #[test]
+    fn upside_down_or_on_its_side_nothing_is_supported() {
+        for up_b in [-Vector3::z(), Vector3::x(), -Vector3::y()] {
+            let state = tip_state(&Tipping { up_b, ..sliding(0.0) }, &square());
+            assert!(!state.supported() && state.margin_j <= 0.0, "{up_b}: {state:?}");
+        }
     }
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{GRAVITY_M_S2, rigid_bug, run, stand_on_slope};
+use common::{GRAVITY_M_S2, rigid_bug, run};
 
 const SLOPE_DEG: f64 = 30.0;
 const FRICTION: f64 = 0.3;
@@ -12,9 +12,10 @@ const FRICTION: f64 = 0.3;
 #[test]
 fn slide_acceleration_at_three_headings() {
     for heading_deg in [0.0_f64, 22.5, 45.0] {
-        let mut model = rigid_bug(0.0);
-        model.scenario.terrain.friction = FRICTION;
-        stand_on_slope(&mut model, SLOPE_DEG.to_radians(), heading_deg.to_radians());
+        let mut setup = rigid_bug(0.0);
+        setup.scenario.terrain.friction = FRICTION;
+        setup.stand_on_slope(SLOPE_DEG.to_radians(), heading_deg.to_radians());
+        let model = setup.model();
         let mut state = model.initial_state();
         // The load settles into the struts within 0.5 s.
         run(&model, &mut state, 0.5);

@@ -9,9 +9,9 @@ use common::{GRAVITY_M_S2, rigid_bug};
 use lander_models::frames::tilt_rad;
 use nalgebra::{UnitQuaternion, Vector3};
 use truth_model::TruthModel;
-use truth_model::contact::ContactWorld;
-use truth_model::flight::{Drive, propulsion};
-use truth_model::gear::Leg;
+use truth_model::contact::Contact;
+use truth_model::gear::LegState;
+use truth_model::propulsion::Drive;
 use truth_model::stability::static_tip_angle_rad;
 
 const TOLERANCE_DEG: f64 = 0.05;
@@ -20,9 +20,10 @@ const TOLERANCE_DEG: f64 = 0.05;
 /// The table falls towards body x, turned by `heading_deg`.
 fn goes_over(model: &TruthModel, heading_deg: f64, table_deg: f64) -> bool {
     let mut motion = model.initial_state().motion;
-    let mut legs = vec![Leg::default(); 4];
-    let terrain = &model.scenario.terrain;
-    let mut world = ContactWorld::take_over(&model.vehicle, terrain, GRAVITY_M_S2, &motion, &legs);
+    let mut legs = vec![LegState::default(); 4];
+    let mut site = model.site();
+    let choice = model.scenario().contact_engine;
+    let mut contact = Contact::take_over(choice, &site, &motion, &legs);
     let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_deg.to_radians());
     // From 2° short of the angle, smoothly over 8 s, then held for 12 s: ten times the time
     // constant sqrt(I_edge / (m g r)) = 1.2 s with which a vehicle past its limit falls.
@@ -30,9 +31,8 @@ fn goes_over(model: &TruthModel, heading_deg: f64, table_deg: f64) -> bool {
         let s = ((f64::from(tick) - 500.0) / 8000.0).clamp(0.0, 1.0);
         let angle = (table_deg - 2.0 * (1.0 - s * s * (3.0 - 2.0 * s))).to_radians();
         let gravity_w = Vector3::new(angle.sin(), 0.0, -angle.cos()) * GRAVITY_M_S2;
-        world.set_gravity_w(&(heading * gravity_w));
-        let wrench = propulsion(&model.vehicle, &motion, &Drive::default());
-        world.step(&model.vehicle, &mut motion, &mut legs, &wrench);
+        site.gravity_w = heading * gravity_w;
+        contact.step(&site, &mut motion, &mut legs, &Drive::default()).unwrap();
         if tilt_rad(&motion.attitude_wb).to_degrees() > 1.0 {
             return true;
         }
@@ -52,9 +52,10 @@ fn measured_tip_angle_deg(model: &TruthModel, heading_deg: f64, expected_deg: f6
 }
 
 fn check(propellant_kg: f64, heading_deg: f64, distance_m: f64) {
-    let mut model = rigid_bug(propellant_kg);
-    model.scenario.terrain.pads_captured = true;
-    let height_m = model.vehicle.mass.at(propellant_kg).com_b.z;
+    let mut setup = rigid_bug(propellant_kg);
+    setup.scenario.terrain.pads_captured = true;
+    let model = setup.model();
+    let height_m = model.vehicle().mass.at(propellant_kg).com_b.z;
     let expected_deg = static_tip_angle_rad(distance_m, height_m).to_degrees();
     let measured_deg = measured_tip_angle_deg(&model, heading_deg, expected_deg);
     println!("heading {heading_deg}°: {measured_deg:.4}°, closed form {expected_deg:.4}°");

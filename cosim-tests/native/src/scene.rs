@@ -131,11 +131,11 @@ fn lander(vehicle: &Vehicle, plume: &Plume) -> Entity {
         ),
     ];
     let mut legs = Vec::new();
-    for foot in &vehicle.gear.feet_b {
+    for foot in vehicle.gear.feet_b() {
         let rim = Vector3::new(foot.x, foot.y, 0.0).normalize() * hull.radius_m;
         let middle_m = 0.5 * (hull.bottom_height_m + hull.top_height_m);
         for height_m in [hull.bottom_height_m, middle_m] {
-            legs.extend([rim + Vector3::z() * height_m, *foot]);
+            legs.extend([rim + Vector3::z() * height_m, foot]);
         }
         let pad = upright(foot.z, foot.z + 0.04, PAD_RADIUS_M, PAD_RADIUS_M, LEG);
         frustums.push(Frustum { center: foot + Vector3::z() * 0.02, ..pad });

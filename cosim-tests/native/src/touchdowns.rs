@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use lander_models::component::Component;
 use lander_models::frames::attitude_from_roll_pitch_yaw_deg;
 use lander_models::quantity::Limit;
-use lander_models::scenario::Initial;
+use lander_models::scenario::{ContactEngine, Initial};
 use lander_models::signals::TRUTH;
 use lander_models::{ConfigError, ModelError, Outcome, Scenario, Ticks, Vehicle};
 use nalgebra::Vector3;
@@ -78,6 +78,16 @@ pub enum TouchdownsError {
 pub enum Engine {
     #[default]
     Rapier,
+    Strut,
+}
+
+impl From<Engine> for ContactEngine {
+    fn from(engine: Engine) -> Self {
+        match engine {
+            Engine::Rapier => Self::Rapier,
+            Engine::Strut => Self::Strut,
+        }
+    }
 }
 
 /// A file of cases, read and checked.
@@ -213,10 +223,7 @@ fn run(
     case: &[f64; COLUMNS.len()],
 ) -> Result<Touchdown, ModelError> {
     let mut scenario = scenario(vehicle, case)?;
-    match engine {
-        // The truth model's only engine.
-        Engine::Rapier => {}
-    }
+    scenario.contact_engine = engine.into();
     scenario.stop_time = stop_time;
     let normal_w = scenario.terrain.normal_w();
     // From the origin straight up until the lowest point is clear by the gap.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lander_models::vehicle::Leg;
 use lander_models::{Outcome, Scenario, Vehicle};
 
 use crate::results::Results;
@@ -33,6 +34,7 @@ impl Verdict<'_> {
             ),
             Outcome::Tipped => format!("TIPPED OVER at {:.2} s", r.value("tip_time_s")),
             Outcome::Struck => "STRUCK the ground with its hull or nozzle".to_owned(),
+            Outcome::Bottomed => "BOTTOMED: a strut used up its stroke".to_owned(),
             Outcome::Crashed => {
                 format!("CRASHED: first contact above {} m/s", limits.crash_speed_m_s)
             }
@@ -44,7 +46,8 @@ impl Verdict<'_> {
     /// A line for each thing that was measured.
     fn lines(&self) -> Vec<(&'static str, String)> {
         let r = |name: &str| self.results.value(name);
-        let gear = &self.vehicle.gear;
+        let strokes_m = self.vehicle.gear.legs.iter().map(Leg::strut_stroke_max_m);
+        let strut_stroke_max_m = strokes_m.fold(0.0, f64::max);
         // Only a landing is known to have come to rest.
         let end = if gate_passed(self.results) { "at rest" } else { "at the end" };
         let all = [
@@ -72,8 +75,8 @@ impl Verdict<'_> {
             (
                 "legs",
                 measured([r("peak_stroke_m"), r("peak_leg_load_n")], |[stroke, load]| {
-                    let (max_m, load_kn) = (gear.stroke_max_m, load / 1e3);
-                    format!("stroke {stroke:.3} of {max_m} m, load {load_kn:.1} kN")
+                    let (max_m, load_kn) = (strut_stroke_max_m, load / 1e3);
+                    format!("stroke {stroke:.3} of {max_m:.3} m, load {load_kn:.1} kN")
                 }),
             ),
             (

@@ -46,7 +46,7 @@ fn naming(word: &str) -> Vec<String> {
 
 #[test]
 fn each_engine_is_named_in_one_file() {
-    assert_eq!(naming("rapier3d_f64"), ["truth-model/src/contact.rs"]);
+    assert_eq!(naming("rapier3d_f64"), ["truth-model/src/contact/rapier.rs"]);
     assert_eq!(naming("clarabel::"), ["guidance-fmu/src/scvx/conic.rs"]);
     assert_eq!(naming("foxglove::"), ["cosim-tests/native/src/recorder.rs"]);
 }

@@ -130,7 +130,9 @@ def test_the_committed_table_is_of_this_grid_and_agrees():
     with (ROOT / "docs" / "validation" / "mujoco.csv").open(encoding="utf-8") as file:
         table = list(csv.DictReader(file))
     cases = [Case(*(float(row[name]) for name in touchdown_cases.COLUMNS)) for row in table]
-    assert cases == touchdown_cases.grid() and len(cases) >= 200
+    # At least 200: the project's acceptance.
+    assert len(cases) >= 200
+    assert cases == touchdown_cases.some(touchdown_cases.grid(), len(cases)), "of another grid"
     agree = [row["kit_outcome"] == row["mujoco_outcome"] for row in table]
     # The project's acceptance: 95 %.
     assert np.mean(agree) >= 0.95

@@ -60,6 +60,8 @@ class Vehicle:
 
     def __init__(self, file: Path):
         self.table = tomllib.loads(file.read_text(encoding="utf-8"))
+        if "primary_top_b" in self.table["gear"]:
+            raise RuntimeError(f"{file}: key `gear.primary_top_b`: legs stroke along the body axis here")
 
     def number(self, section: str, key: str):
         value = self.table[section][key]["value"]

@@ -2,7 +2,7 @@
 
 The kit's own verdict is Rust and judges the kit's own trajectories. This one shares no code with it, so
 that a comparison of outcomes tests the verdict as well as the motion. It works on whole histories at once
-(columns: mujoco_touchdown.py).
+(columns: mujoco_touchdown.py), and counts a bounce as near the ground however high it is.
 """
 
 from dataclasses import dataclass
@@ -17,8 +17,10 @@ SLIDE_LIMIT_M = 1.0
 REST_SPEED_M_S = 5e-3
 REST_RATE_RAD_S = 1e-3
 REST_TICKS = 500
-TIP_TICKS = 500
+REST_DRIFT_M = 1e-4
+REST_TURN_RAD = 1e-4
 REST_FEET = 3
+TIP_TICKS = 500
 BOTTOMED_GAP_M = 1e-4
 TICK_S = 1e-3
 # A pad that slides in MuJoCo hops by micrometres; on the ground means loaded within so many ticks.
@@ -51,6 +53,7 @@ class Seen:
     tilt_deg: np.ndarray
     margin_j: np.ndarray
     supported: np.ndarray
+    attitude: np.ndarray
     footprint_w: np.ndarray
 
 
@@ -107,6 +110,7 @@ def see(vehicle: Vehicle, case: Case, history: np.ndarray) -> Seen:
         tilt_deg=np.degrees(np.arctan2(np.hypot(*attitude[:, :2, 2].T), attitude[:, 2, 2])),
         margin_j=margin_j,
         supported=supported,
+        attitude=attitude,
         footprint_w=feet_w.mean(axis=1),
     )
 
@@ -122,6 +126,23 @@ def first_true(condition: np.ndarray) -> int:
     return int(np.argmax(condition)) if condition.any() else len(condition)
 
 
+def stands_still(seen: Seen) -> np.ndarray:
+    """Per tick, whether it has now been slow, and where it was, for the time of rest."""
+    still = (
+        ((seen.pads_loaded >= REST_FEET) | seen.structure)
+        & (seen.margin_j > 0.0)
+        & (seen.speed_m_s < REST_SPEED_M_S)
+        & (seen.rate_rad_s < REST_RATE_RAD_S)
+    )
+    rests = lasting(still) > REST_TICKS
+    drift_m = np.linalg.norm((seen.footprint_w[REST_TICKS:] - seen.footprint_w[:-REST_TICKS])[:, :2], axis=1)
+    # Two rotations a small angle apart differ by sqrt(2) times it in the Frobenius norm.
+    change = seen.attitude[REST_TICKS:] - seen.attitude[:-REST_TICKS]
+    turn_rad = np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2.0)
+    rests[REST_TICKS:] &= (drift_m <= REST_DRIFT_M) & (turn_rad <= REST_TURN_RAD)
+    return rests
+
+
 def judge(vehicle: Vehicle, case: Case, history: np.ndarray, time_is_up: bool) -> Verdict | None:
     """The verdict, or `None` while undecided. Row 0 is the state before the first tick."""
     seen = see(vehicle, case, history)
@@ -130,38 +151,33 @@ def judge(vehicle: Vehicle, case: Case, history: np.ndarray, time_is_up: bool) -
     new_impact = felt & ~np.append(False, seen.pads_loaded[:-1] > 0)
     crashed = first_true(new_impact & (np.append(0.0, seen.speed_m_s[:-1]) > CRASH_SPEED_M_S))
     outside = lasting(~seen.supported)
+    head_down = seen.attitude[:, 2, 2] < 0.0
     # The tick that finds it outside is the first of the run, so 500 ticks later it is the 501st.
-    tipped = first_true((outside > TIP_TICKS) | ((outside > 0) & seen.structure))
-    still = (
-        seen.supported
-        & (seen.pads_loaded >= REST_FEET)
-        & (seen.speed_m_s < REST_SPEED_M_S)
-        & (seen.rate_rad_s < REST_RATE_RAD_S)
-        & (np.arange(len(history)) >= first)
-    )
-    at_rest = first_true(lasting(still) >= REST_TICKS)
+    tipped = first_true((outside > TIP_TICKS) | ((outside > 0) & (seen.structure | head_down)))
+    at_rest = first_true(stands_still(seen) & (np.arange(len(history)) >= first))
     end = min(crashed, tipped, at_rest)
     decided = end < len(history)
     if not decided and not time_is_up:
         return None
     end = min(end, len(history) - 1)
 
-    bottom_m = vehicle.gear("stroke_max") - BOTTOMED_GAP_M
     after = slice(first, end + 1)
-    struck = (seen.structure[after] | (seen.stroke_m[after] > bottom_m)).any()
     touched = first <= end
+    bottom_m = vehicle.gear("stroke_max") - BOTTOMED_GAP_M
     slide_m = np.nan
     if touched:
         slide_m = float(np.hypot(*(seen.footprint_w[end] - seen.footprint_w[first])[:2]))
     if end == crashed:
         outcome = "crashed"
-    elif end == tipped or outside[end] > 0:
+    elif outside[end] > 0:
         outcome = "tipped"
+    elif seen.structure[after].any():
+        outcome = "struck"
+    elif (seen.stroke_m[after] > bottom_m).any():
+        outcome = "bottomed"
     elif not touched or not seen.pads_loaded[max(end - HOP_TICKS, 0) : end + 1].any():
         outcome = "no_contact"
-    elif struck:
-        outcome = "struck"
-    elif not still[end] or slide_m > SLIDE_LIMIT_M:
+    elif end != at_rest or slide_m > SLIDE_LIMIT_M:
         outcome = "slid"
     else:
         outcome = "landed"

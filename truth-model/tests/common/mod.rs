@@ -1,8 +1,10 @@
 //! Truth models for tests: BUG on a plane, guidance off, one thing changed at a time.
 #![allow(dead_code)] // Each test binary uses its own part.
 
+pub mod relief;
+
 use lander_models::scenario::Scenario;
-use lander_models::vehicle::Vehicle;
+use lander_models::vehicle::{Strut, Vehicle};
 use nalgebra::{UnitQuaternion, Vector3};
 use truth_model::{State, TruthModel};
 
@@ -13,21 +15,59 @@ pub fn bug() -> Vehicle {
     Vehicle::load(file.as_ref()).unwrap()
 }
 
-/// BUG, dry, with its centre of mass on the axis (the closed forms assume it) and gear that
-/// neither crushes nor gives: 1e6 N/m gives 0.1 mm under the whole weight.
-pub fn rigid_bug(propellant_kg: f64) -> TruthModel {
+/// What a truth model is made from, free to be changed until then.
+#[derive(Clone)]
+pub struct Setup {
+    pub scenario: Scenario,
+    pub vehicle: Vehicle,
+}
+
+impl Setup {
+    pub fn model(&self) -> TruthModel {
+        TruthModel::new(self.scenario.clone(), self.vehicle.clone())
+    }
+
+    /// Changes the struts of all legs.
+    pub fn with_struts(mut self, change: impl Fn(&mut Strut)) -> Self {
+        self.vehicle.gear.legs.iter_mut().for_each(|leg| change(&mut leg.strut));
+        self
+    }
+
+    /// Puts the vehicle on a slope that falls towards world x, standing on it, turned by
+    /// `heading_rad` about the slope's normal.
+    pub fn stand_on_slope(&mut self, slope_rad: f64, heading_rad: f64) {
+        let lean = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope_rad);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad);
+        self.scenario.terrain.slope_rad = slope_rad;
+        self.scenario.terrain.downhill_rad = 0.0;
+        self.scenario.initial.attitude_wb = lean * turn;
+    }
+}
+
+/// BUG with its centre of mass on the axis, as the closed forms assume it.
+pub fn symmetric_bug() -> Vehicle {
     let mut vehicle = bug();
     vehicle.mass.dry.com_b.x = 0.0;
     vehicle.mass.propellant.com_b.x = 0.0;
-    vehicle.gear.stiffness_n_m = 1e6;
-    vehicle.gear.damping_n_s_m = 2e4;
-    vehicle.gear.crush_1_n = 1e9;
-    vehicle.gear.crush_2_n = 1e9;
-    on_plane(vehicle, propellant_kg)
+    vehicle
+}
+
+/// Symmetric BUG on gear that neither crushes nor gives: 1e6 N/m gives 0.1 mm under the whole
+/// weight.
+pub fn rigid_bug(propellant_kg: f64) -> Setup {
+    on_plane(symmetric_bug(), propellant_kg).with_struts(|strut| {
+        *strut = Strut {
+            stiffness_n_m: 1e6,
+            damping_n_s_m: 2e4,
+            crush_1_n: 1e9,
+            crush_2_n: 1e9,
+            ..*strut
+        };
+    })
 }
 
 /// A vehicle at the origin of a level plane, at rest, engine off.
-pub fn on_plane(vehicle: Vehicle, propellant_kg: f64) -> TruthModel {
+pub fn on_plane(vehicle: Vehicle, propellant_kg: f64) -> Setup {
     let text = include_str!("../../../models/scenarios/tip-over.toml");
     let mut scenario = Scenario::parse("tip-over.toml".as_ref(), text, &vehicle).unwrap();
     scenario.terrain.slope_rad = 0.0;
@@ -39,17 +79,7 @@ pub fn on_plane(vehicle: Vehicle, propellant_kg: f64) -> TruthModel {
     scenario.touchdown.slide_limit_m = 1e3;
     scenario.touchdown.crash_speed_m_s = 1e3;
     scenario.stop_time = lander_models::Ticks(1_000_000);
-    TruthModel::new(scenario, vehicle)
-}
-
-/// Puts the model on a slope that falls towards world x, standing on it, turned by `heading_rad`
-/// about the slope's normal.
-pub fn stand_on_slope(model: &mut TruthModel, slope_rad: f64, heading_rad: f64) {
-    let lean = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope_rad);
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad);
-    model.scenario.terrain.slope_rad = slope_rad;
-    model.scenario.terrain.downhill_rad = 0.0;
-    model.scenario.initial.attitude_wb = lean * turn;
+    Setup { scenario, vehicle }
 }
 
 pub fn run(model: &TruthModel, state: &mut State, seconds: f64) {

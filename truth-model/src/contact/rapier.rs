@@ -1,15 +1,14 @@
-//! Contact: the only file that names Rapier.
+//! The reference contact engine, and the only file that names Rapier.
 //!
-//! One hull body and one small footpad body per leg on a prismatic joint along the body axis.
+//! One hull body and one small footpad body per leg on a prismatic joint along its stroke axis.
 //! The joint's motor is the strut: an implicit spring-damper towards the crushed length whose
 //! force is capped at the crush load, which makes it flow plastically (T.10). Settings and the
 //! reasons for them: README, "Contact engine".
 
 use lander_models::frames::{Attitude, steiner};
 use lander_models::mass::MassProperties;
-use lander_models::scenario::Terrain;
 use lander_models::time::TICK_S;
-use lander_models::vehicle::{Gear, Vehicle};
+use lander_models::vehicle::{Gear, Leg, Vehicle};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d_f64::dynamics::{
     CoefficientCombineRule, FrictionModel, ImpulseJointHandle, JointAxis,
@@ -24,16 +23,16 @@ use rapier3d_f64::math::Pose;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
-use crate::flight::{Motion, Wrench};
-use crate::gear::{Leg, crush_load_n, crushed_after};
+use super::{ContactEngine, Site, Structure, Touch};
+use crate::flight::Motion;
+use crate::gear::{LegState, crush_load_n, crushed_after};
+use crate::propulsion::{Drive, Wrench};
 
 /// Stiffness of pad on ground: 2e7 N/m for a foot of 2 kg, 0.08 mm under a crush load. Rapier's
 /// default (60 Hz, overdamped) adds millimetres of its own to a stroke.
 const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
 /// Sub-steps of one tick; one alone misses tip-over speeds by 3 %.
 const SOLVER_ITERATIONS: usize = 4;
-/// Friction of a captured pad: the lateral hold never gives way, the pad may still lift.
-const CAPTURED_FRICTION: f64 = 1e3;
 /// Radius of gyration of a foot body, m: the footpad with its lower strut.
 const FOOT_GYRATION_M: f64 = 0.1;
 /// The strut may extend this far beyond its free length before the joint stops it, m. The stop
@@ -61,7 +60,7 @@ struct Foot {
 
 /// The contact engine at one instant: plain data, `Clone` and serialisable.
 #[derive(Serialize, Deserialize)]
-pub struct ContactWorld {
+pub struct RapierWorld {
     world: PhysicsWorld,
     hull: RigidBodyHandle,
     /// Hull and nozzle: what must not touch.
@@ -70,7 +69,7 @@ pub struct ContactWorld {
     feet: Vec<Foot>,
 }
 
-impl Clone for ContactWorld {
+impl Clone for RapierWorld {
     fn clone(&self) -> Self {
         // The pipelines are scratch space and start empty, as they do after deserialisation.
         let world = PhysicsWorld {
@@ -89,28 +88,12 @@ impl Clone for ContactWorld {
     }
 }
 
-/// What one contact step did to the ground.
-#[derive(Clone, Debug, Default)]
-pub struct Touch {
-    /// Per leg: the pad carries load.
-    pub feet: Vec<bool>,
-    pub structure: bool,
-}
-
-impl ContactWorld {
-    /// Takes over a flying vehicle. The struts start at their crushed length, unloaded.
-    pub fn take_over(
-        vehicle: &Vehicle,
-        terrain: &Terrain,
-        gravity_m_s2: f64,
-        motion: &Motion,
-        legs: &[Leg],
-    ) -> Self {
-        let gravity = DVec3::new(0.0, 0.0, -gravity_m_s2);
-        let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
+impl ContactEngine for RapierWorld {
+    fn take_over(site: &Site, motion: &Motion, legs: &[LegState]) -> Self {
+        let Site { vehicle, terrain, .. } = *site;
+        let mut world = PhysicsWorld::default();
         tune(&mut world);
-
-        let pad_friction = if terrain.pads_captured { CAPTURED_FRICTION } else { terrain.friction };
+        let pad_friction = site.pad_friction();
         let ground = world.colliders.insert(
             ColliderBuilder::new(SharedShape::halfspace(to_glam(&terrain.normal_w())))
                 .friction(terrain.friction)
@@ -120,73 +103,72 @@ impl ContactWorld {
         let mass = vehicle.mass.at(motion.propellant_kg);
         let hull = world.bodies.insert(hull_body(vehicle, &mass, motion));
         let structure = insert_structure(&mut world, vehicle, hull, terrain.friction);
-        let feet = vehicle
-            .gear
-            .feet_b
-            .iter()
-            .zip(legs)
-            .map(|(foot_b, leg)| {
-                insert_foot(&mut world, &vehicle.gear, hull, foot_b, leg, motion, pad_friction)
+        let feet = (vehicle.gear.legs.iter().zip(legs))
+            .map(|(leg, state)| {
+                insert_foot(&mut world, &vehicle.gear, hull, leg, state, motion, pad_friction)
             })
             .collect();
         Self { world, hull, structure, ground, feet }
     }
 
-    /// Turns gravity, as a tilt table does for the vehicle on it, m/s².
-    pub fn set_gravity_w(&mut self, gravity_w: &Vector3<f64>) {
-        self.world.gravity = to_glam(gravity_w);
-    }
-
-    /// One tick under the given propulsion. Updates the motion and the legs. `None` once a body
-    /// has become non-finite: Rapier then freezes it and goes on as if nothing had happened.
-    pub fn step(
+    /// Propulsion and mass go on while Rapier owns the motion. A body that has become non-finite
+    /// Rapier freezes and goes on as if nothing had happened.
+    fn step(
         &mut self,
-        vehicle: &Vehicle,
+        site: &Site,
         motion: &mut Motion,
-        legs: &mut [Leg],
-        wrench: &Wrench,
+        legs: &mut [LegState],
+        drive: &Drive,
     ) -> Option<Touch> {
-        self.set_mass(vehicle, motion);
-        self.apply(vehicle, motion, wrench);
-        for (foot, leg) in self.feet.iter().zip(legs.iter()) {
+        let vehicle = site.vehicle;
+        let mass = vehicle.mass.at(motion.propellant_kg);
+        self.world.gravity = to_glam(&site.gravity_w);
+        self.set_mass(&vehicle.gear, motion, &mass);
+        self.apply(motion, &mass, &drive.wrench(vehicle, motion, &mass.com_b));
+        for ((foot, leg), state) in self.feet.iter().zip(&vehicle.gear.legs).zip(legs.iter()) {
             if let Some(joint) = self.world.impulse_joints.get_mut(foot.joint, true) {
-                let gear = &vehicle.gear;
+                let strut = &leg.strut;
                 joint
                     .data
                     .set_motor_position(
                         JointAxis::LinX,
-                        leg.crushed_m,
-                        gear.stiffness_n_m,
-                        gear.damping_n_s_m,
+                        state.crushed_m,
+                        strut.stiffness_n_m,
+                        strut.damping_n_s_m,
                     )
-                    .set_motor_max_force(JointAxis::LinX, crush_load_n(gear, leg.stroke_m));
+                    .set_motor_max_force(JointAxis::LinX, crush_load_n(strut, state.stroke_m));
             }
         }
         self.world.step();
+        let flow_kg_s = drive.flow_kg_s(vehicle, motion);
+        (motion.thrust_n, motion.gimbal_rad) = drive.actuators_after(vehicle, motion, TICK_S);
+        motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
         if !self.world.quarantine().is_empty() {
             return None;
         }
         self.read_motion(motion);
         self.read_legs(&vehicle.gear, motion, legs);
-        Some(Touch {
-            feet: self.feet.iter().map(|foot| self.touches(foot.pad)).collect(),
-            structure: self.structure.iter().any(|part| self.touches(*part)),
-        })
+        let [hull, nozzle] = self.structure.map(|part| self.touches(part));
+        let mut touch = Touch { structure: Structure { hull, nozzle }, ..Touch::default() };
+        for (down, foot) in touch.feet.iter_mut().zip(&self.feet) {
+            *down = self.touches(foot.pad);
+        }
+        Some(touch)
     }
+}
 
+impl RapierWorld {
     /// Keeps the velocity of O when the centre of mass moves: Rapier's is that of the centre of mass.
-    fn set_mass(&mut self, vehicle: &Vehicle, motion: &Motion) {
-        let mass = vehicle.mass.at(motion.propellant_kg);
+    fn set_mass(&mut self, gear: &Gear, motion: &Motion, mass: &MassProperties) {
         let hull = &mut self.world.bodies[self.hull];
-        let (properties, com_b) = hull_mass(&vehicle.gear, &mass);
+        let (properties, com_b) = hull_mass(gear, mass);
         hull.set_additional_mass_properties(properties, true);
         hull.recompute_mass_properties_from_colliders(&self.world.colliders);
         hull.set_linvel(to_glam(&motion.point_velocity_w(&com_b)), true);
     }
 
-    fn apply(&mut self, vehicle: &Vehicle, motion: &Motion, wrench: &Wrench) {
-        let com_b = vehicle.mass.at(motion.propellant_kg).com_b;
-        let com_w = to_glam(&motion.point_position_w(&com_b));
+    fn apply(&mut self, motion: &Motion, mass: &MassProperties, wrench: &Wrench) {
+        let com_w = to_glam(&motion.point_position_w(&mass.com_b));
         let hull = &mut self.world.bodies[self.hull];
         hull.reset_forces(true);
         hull.reset_torques(true);
@@ -205,14 +187,14 @@ impl ContactWorld {
         motion.velocity_w = from_glam(hull.linvel()) + rate_w.cross(&com_to_origin_w);
     }
 
-    fn read_legs(&self, gear: &Gear, motion: &Motion, legs: &mut [Leg]) {
-        let axis_w = motion.attitude_wb * Vector3::z();
-        for ((foot, foot_b), leg) in self.feet.iter().zip(&gear.feet_b).zip(legs) {
-            let free_w = motion.point_position_w(&pad_centre_b(gear, foot_b));
+    fn read_legs(&self, gear: &Gear, motion: &Motion, legs: &mut [LegState]) {
+        for ((foot, leg), state) in self.feet.iter().zip(&gear.legs).zip(legs) {
+            let axis_w = motion.attitude_wb * leg.stroke_axis_b;
+            let free_w = motion.point_position_w(&gear.pad_centre_b(leg));
             let pad_w = from_glam(self.world.bodies[foot.body].translation());
-            leg.stroke_m = (pad_w - free_w).dot(&axis_w);
-            leg.load_n = self.strut_load_n(foot);
-            leg.crushed_m = crushed_after(gear, leg.crushed_m, leg.stroke_m);
+            state.stroke_m = (pad_w - free_w).dot(&axis_w);
+            state.load_n = self.strut_load_n(foot);
+            state.crushed_m = crushed_after(&leg.strut, state.crushed_m, state.stroke_m);
         }
     }
 
@@ -250,15 +232,10 @@ fn tune(world: &mut PhysicsWorld) {
     p.static_contact_softness = SpringCoefficients::new(PAD_NATURAL_FREQUENCY_HZ, 1.0);
 }
 
-/// Centre of the spherical pad, from O, strut at free length.
-pub fn pad_centre_b(gear: &Gear, foot_b: &Vector3<f64>) -> Vector3<f64> {
-    foot_b + Vector3::z() * gear.pad_radius_m
-}
-
 /// Hull body = vehicle less feet, so that together they have the vehicle's properties.
 fn hull_mass(gear: &Gear, mass: &MassProperties) -> (RapierMass, Vector3<f64>) {
     let foot_kg = gear.foot_mass_kg;
-    let centres: Vec<_> = gear.feet_b.iter().map(|foot_b| pad_centre_b(gear, foot_b)).collect();
+    let centres: Vec<_> = gear.legs.iter().map(|leg| gear.pad_centre_b(leg)).collect();
     let hull_kg = mass.mass_kg - foot_kg * centres.len() as f64;
     let first_moment_b = mass.com_b * mass.mass_kg - centres.iter().sum::<Vector3<f64>>() * foot_kg;
     let com_b = first_moment_b / hull_kg;
@@ -317,13 +294,13 @@ fn insert_foot(
     world: &mut PhysicsWorld,
     gear: &Gear,
     hull: RigidBodyHandle,
-    foot_b: &Vector3<f64>,
     leg: &Leg,
+    state: &LegState,
     motion: &Motion,
     friction: f64,
 ) -> Foot {
-    let free_b = pad_centre_b(gear, foot_b);
-    let centre_b = free_b + Vector3::z() * leg.crushed_m;
+    let free_b = gear.pad_centre_b(leg);
+    let centre_b = free_b + leg.stroke_axis_b * state.crushed_m;
     let inertia = DVec3::splat(gear.foot_mass_kg * FOOT_GYRATION_M * FOOT_GYRATION_M);
     let body = world.bodies.insert(
         RigidBodyBuilder::dynamic()
@@ -345,11 +322,11 @@ fn insert_foot(
         body,
         &mut world.bodies,
     );
-    let joint = PrismaticJointBuilder::new(DVec3::Z)
+    let joint = PrismaticJointBuilder::new(to_glam(&leg.stroke_axis_b))
         .local_anchor1(to_glam(&free_b))
         .local_anchor2(DVec3::ZERO)
         .contacts_enabled(false)
-        .limits([-EXTENSION_STOP_M, gear.stroke_max_m])
+        .limits([-EXTENSION_STOP_M, leg.strut.stroke_max_m])
         .motor_model(MotorModel::ForceBased)
         .build();
     Foot { body, pad, joint: world.impulse_joints.insert(hull, body, joint, true) }

@@ -1,0 +1,79 @@
+//! What guidance is asked to do: `[guidance]` of a scenario.
+
+use nalgebra::Vector3;
+
+use crate::quantity::{ConfigError, Limit, Section};
+use crate::time::Ticks;
+use crate::vehicle::Vehicle;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuidanceMode {
+    /// Fly from the initial state to the target and land.
+    Descent,
+    /// Lift off first.
+    Hop,
+    /// No command at all: a drop.
+    Off,
+}
+
+/// What guidance is asked to do, and its tuning. Nothing in it describes the dispersed truth.
+#[derive(Clone, Debug)]
+pub struct Guidance {
+    pub mode: GuidanceMode,
+    pub target_w: Vector3<f64>,
+    /// Limit of the planned thrust direction against the vertical.
+    pub tilt_max_rad: f64,
+    /// Planned thrust band, inside the engine's so that tracking has margin.
+    pub plan_thrust_min_n: f64,
+    pub plan_thrust_max_n: f64,
+    pub replan_period: Ticks,
+    /// Height of O above the target at which the plan ends and the terminal law begins.
+    pub gate_height_m: f64,
+    /// Planned deceleration of the vertical terminal descent.
+    pub terminal_deceleration_m_s2: f64,
+    /// Height of O above the ground at cut-off.
+    pub cutoff_height_m: f64,
+    /// Downward speed at cut-off, once thrust has decayed.
+    pub cutoff_speed_m_s: f64,
+    /// Height of O above the ground at which a hop starts its plan.
+    pub lift_off_height_m: f64,
+}
+
+pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, ConfigError> {
+    let s = root.section("guidance")?;
+    let mode = match s.choice("mode", &["descent", "hop", "off"])? {
+        "hop" => GuidanceMode::Hop,
+        "off" => GuidanceMode::Off,
+        _ => GuidanceMode::Descent,
+    };
+    let (floor_n, ceiling_n) = (vehicle.engine.thrust_min_n, vehicle.engine.thrust_max_n);
+    let plan_thrust_max_n =
+        s.number_or("plan_thrust_max", "N", Limit::Within(floor_n, ceiling_n), 2500.0)?;
+    let replan_s = s.number_or("replan_period", "s", Limit::Within(0.1, 60.0), 0.5)?;
+    let guidance = Guidance {
+        mode,
+        target_w: s.vector("target_w", "m", Limit::Any)?.into(),
+        tilt_max_rad: s.number_or("tilt_max", "deg", Limit::Within(1.0, 80.0), 29.0)?.to_radians(),
+        plan_thrust_min_n: s.number_or(
+            "plan_thrust_min",
+            "N",
+            Limit::Within(floor_n, plan_thrust_max_n),
+            900.0,
+        )?,
+        plan_thrust_max_n,
+        replan_period: Ticks::from_seconds(replan_s)
+            .map_err(|error| s.error("replan_period", error.to_string()))?,
+        gate_height_m: s.number_or("gate_height", "m", Limit::Positive, 12.0)?,
+        terminal_deceleration_m_s2: s.number_or(
+            "terminal_deceleration",
+            "m/s2",
+            Limit::Positive,
+            3.0,
+        )?,
+        cutoff_height_m: s.number_or("cutoff_height", "m", Limit::Positive, 0.6)?,
+        cutoff_speed_m_s: s.number_or("cutoff_speed", "m/s", Limit::NotNegative, 0.3)?,
+        lift_off_height_m: s.number_or("lift_off_height", "m", Limit::Positive, 3.0)?,
+    };
+    s.finish()?;
+    Ok(guidance)
+}

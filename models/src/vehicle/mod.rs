@@ -1,0 +1,71 @@
+//! The vehicle file: every number with unit, source and grade.
+
+mod curve;
+mod engine;
+mod gear;
+mod hull;
+mod mass;
+mod rcs;
+mod sensors;
+mod slosh;
+
+use std::path::Path;
+
+pub use curve::Curve;
+pub use engine::{DeadZone, Engine};
+pub use gear::{Gear, Leg, Strut};
+pub use hull::Hull;
+pub use rcs::Rcs;
+pub use sensors::{
+    AltimeterSpec, ImuSpec, LandmarkSpec, LegProbeSpec, Sensors, StarTrackerSpec, TriadSpec,
+    VelocimeterSpec,
+};
+pub use slosh::{MAX_TANKS, Slosh};
+
+use crate::mass::MassModel;
+use crate::quantity::{ConfigError, Section};
+
+/// Standard gravity of the I_sp definition, m/s² (CGPM 1901).
+pub const G0_M_S2: f64 = 9.80665;
+
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    pub name: String,
+    pub mass: MassModel,
+    pub engine: Engine,
+    pub rcs: Rcs,
+    pub gear: Gear,
+    pub hull: Hull,
+    pub slosh: Option<Slosh>,
+    /// `None`: the file says nothing about sensors, so only perfect navigation can be flown.
+    pub sensors: Option<Sensors>,
+}
+
+impl Vehicle {
+    pub fn load(file: &Path) -> Result<Self, ConfigError> {
+        Self::from_section(Section::read(file, true)?)
+    }
+
+    /// Parses `text`; `file` only names it in errors.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ConfigError> {
+        Self::from_section(Section::parse(file, text, true)?)
+    }
+
+    fn from_section(root: Section) -> Result<Self, ConfigError> {
+        let mass = mass::read(&root)?;
+        let vehicle = Self {
+            name: root.text("name")?,
+            gear: gear::read(&root, &mass)?,
+            slosh: slosh::read(&root, &mass)?,
+            mass,
+            engine: engine::read(&root)?,
+            rcs: rcs::read(&root)?,
+            hull: hull::read(&root)?,
+            sensors: sensors::read(&root)?,
+        };
+        // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
+        root.optional_section("as_printed")?;
+        root.finish()?;
+        Ok(vehicle)
+    }
+}

@@ -1,0 +1,110 @@
+//! The fast contact engine: one rigid body in the flight integrator, massless pads on crushable
+//! struts, friction by anchors (T.30 to T.36). The reference engine's laws at a fraction of its
+//! cost, for large campaigns.
+
+mod pad;
+mod structure;
+
+use lander_models::signals::FOOT_SLOTS;
+use lander_models::time::TICK_S;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::{ContactEngine, Site, Touch};
+use crate::flight::{self, Motion};
+use crate::gear::LegState;
+use crate::propulsion::{Drive, Wrench};
+use pad::{Grip, Pad};
+use structure::Bumpers;
+
+/// A pad that would touch sooner than this after the start of a step touches in it, s.
+const TOUCH_TIME_MIN_S: f64 = 1e-9;
+/// Most touches for which one tick is cut.
+const CUTS_MAX: usize = 16;
+
+/// What the engine keeps from step to step beside motion and legs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StrutContact {
+    grips: [Grip; FOOT_SLOTS],
+}
+
+/// Sum of the ground's forces on the vehicle.
+#[derive(Default)]
+struct Forces {
+    force_b: Vector3<f64>,
+    /// About O.
+    torque_b: Vector3<f64>,
+}
+
+impl Forces {
+    fn add_w(&mut self, motion: &Motion, force_w: &Vector3<f64>, point_b: &Vector3<f64>) {
+        let force_b = motion.attitude_wb.inverse_transform_vector(force_w);
+        self.force_b += force_b;
+        self.torque_b += point_b.cross(&force_b);
+    }
+
+    fn about(&self, com_b: &Vector3<f64>) -> Wrench {
+        let torque_b = self.torque_b - com_b.cross(&self.force_b);
+        Wrench { force_b: self.force_b, torque_b }
+    }
+}
+
+impl ContactEngine for StrutContact {
+    fn take_over(_: &Site, _: &Motion, _: &[LegState]) -> Self {
+        Self { grips: [Grip::default(); FOOT_SLOTS] }
+    }
+
+    /// A tick is cut where a pad touches: the force of its strut's damper jumps there.
+    fn step(
+        &mut self,
+        site: &Site,
+        motion: &mut Motion,
+        legs: &mut [LegState],
+        drive: &Drive,
+    ) -> Option<Touch> {
+        let vehicle = site.vehicle;
+        let longest_s = TICK_S / f64::from(site.refinement);
+        let mass_kg = vehicle.mass.at(motion.propellant_kg).mass_kg;
+        let share_kg = mass_kg / legs.len() as f64;
+        let bumpers = Bumpers::new(site, motion, mass_kg);
+        let mut touch = Touch::default();
+        let mut left_s = TICK_S;
+        let mut cuts = 0;
+        while left_s > 0.0 {
+            let pads: [Option<Pad>; FOOT_SLOTS] = std::array::from_fn(|n| {
+                let leg = vehicle.gear.legs.get(n)?;
+                Some(Pad::new(site, leg, motion, legs[n], &self.grips[n], share_kg))
+            });
+            let pads = || pads.iter().flatten();
+            // What rounding leaves of a tick is no step of its own.
+            let mut step_s = if left_s < 1.5 * longest_s { left_s } else { longest_s };
+            let touch_s = pads()
+                .map(|pad| pad.time_to_touch_s(motion))
+                .filter(|time_s| *time_s > TOUCH_TIME_MIN_S)
+                .fold(f64::INFINITY, f64::min);
+            if touch_s < step_s && cuts < CUTS_MAX {
+                cuts += 1;
+                step_s = touch_s;
+            }
+            let outside = |stage: &Motion| {
+                let mut forces = Forces::default();
+                for force in pads().filter_map(|pad| pad.force(site, stage)) {
+                    forces.add_w(stage, &force.ground_w, &force.point_b);
+                }
+                bumpers.press(site, stage, &mut forces);
+                forces.about(&vehicle.mass.at(stage.propellant_kg).com_b)
+            };
+            *motion = flight::advance(vehicle, &site.gravity_w, motion, drive, step_s, outside);
+            if !motion.is_finite() {
+                return None;
+            }
+            for (n, pad) in pads().enumerate() {
+                legs[n] = pad.settle(site, motion, step_s, &mut self.grips[n]);
+                touch.feet[n] |= legs[n].load_n > 0.0;
+            }
+            left_s -= step_s;
+        }
+        touch.structure = bumpers.touch(motion);
+        Some(touch)
+    }
+}

@@ -1,0 +1,184 @@
+//! One massless pad: where it stands on the ground and what it passes on to the body.
+
+use lander_models::vehicle::{Gear, Leg};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::super::{Footing, Site};
+use crate::flight::Motion;
+use crate::gear::{LegState, crushed_after, strut_load_n};
+
+/// Natural frequency of a leg's share of the vehicle on a gripping pad, rad/s times the
+/// refinement: the stiffest hold that steps of 1 ms carry, so that finer ones tend to a rigid one.
+const GRIP_RAD_S: f64 = 300.0;
+/// The same for the stop of a strut without stroke left.
+const STOP_RAD_S: f64 = 500.0;
+/// A leg flatter to the ground than this carries nothing along its axis (cosine).
+const FLAT: f64 = 0.05;
+
+/// Friction spring of a pad that stands (Cundall and Strack 1979): how far its touching point was
+/// carried along the ground since it took hold.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Grip {
+    slip_w: Option<Vector3<f64>>,
+}
+
+/// A pad at the start of a step.
+pub struct Pad<'a> {
+    leg: &'a Leg,
+    centre_b: Vector3<f64>,
+    radius_m: f64,
+    start: LegState,
+    /// Ground under the pad: its tangent plane, held for the step.
+    footing: Footing,
+    /// Of the pad that touched at the start of the step: where it is on the body, at no stroke, and
+    /// where it was in the world, less the slip until then. Pads roll without slip.
+    touch_b: Vector3<f64>,
+    anchor_w: Vector3<f64>,
+    standing: bool,
+    grip_n_m: f64,
+    /// Critical: a pad that grips stops dead, as on a rigid hold.
+    grip_n_s_m: f64,
+    /// Share of the vehicle's mass on one leg.
+    share_kg: f64,
+}
+
+/// A pad's force at one instant.
+pub struct PadForce {
+    /// Of the ground on the pad.
+    pub ground_w: Vector3<f64>,
+    /// Where it acts, from O.
+    pub point_b: Vector3<f64>,
+    stroke_m: f64,
+    axial_n: f64,
+    slip_w: Vector3<f64>,
+    normal_n: f64,
+}
+
+impl<'a> Pad<'a> {
+    pub fn new(
+        site: &Site<'a>,
+        leg: &'a Leg,
+        motion: &Motion,
+        start: LegState,
+        grip: &Grip,
+        share_kg: f64,
+    ) -> Self {
+        let gear: &Gear = &site.vehicle.gear;
+        let centre_b = gear.pad_centre_b(leg);
+        let centre_w = motion.point_position_w(&(centre_b + leg.stroke_axis_b * start.stroke_m));
+        let footing = site.footing(&centre_w);
+        let touch_w = centre_w - footing.normal_w * gear.pad_radius_m;
+        let normal_b = motion.attitude_wb.inverse_transform_vector(&footing.normal_w);
+        let slip_w = grip.slip_w.unwrap_or_default();
+        let grip_rad_s = GRIP_RAD_S * f64::from(site.refinement);
+        Self {
+            leg,
+            centre_b,
+            radius_m: gear.pad_radius_m,
+            start,
+            footing,
+            touch_b: centre_b - normal_b * gear.pad_radius_m,
+            anchor_w: touch_w - tangential(&slip_w, &footing.normal_w),
+            standing: grip.slip_w.is_some(),
+            grip_n_m: share_kg * grip_rad_s * grip_rad_s,
+            grip_n_s_m: 2.0 * share_kg * grip_rad_s,
+            share_kg,
+        }
+    }
+
+    /// Time until the pad reaches the ground as it moves now, s; infinite if it stands already or
+    /// moves away.
+    pub fn time_to_touch_s(&self, motion: &Motion) -> f64 {
+        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
+        let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m;
+        let closing_m_s = -self.footing.normal_w.dot(&motion.point_velocity_w(&pad_b));
+        if self.standing || closing_m_s <= 0.0 || gap_m <= 0.0 {
+            f64::INFINITY
+        } else {
+            gap_m / closing_m_s
+        }
+    }
+
+    /// Force in a given motion; `None` while the pad is off the ground (T.30 to T.34).
+    pub fn force(&self, site: &Site, motion: &Motion) -> Option<PadForce> {
+        let normal_w = self.footing.normal_w;
+        let axis_w = motion.attitude_wb * self.leg.stroke_axis_b;
+        let rise = normal_w.dot(&axis_w);
+        let free_w = motion.point_position_w(&self.centre_b);
+        // (T.30) The pad stays on the ground: its stroke is geometry.
+        let stroke_m = (self.radius_m - self.footing.clearance_m(&free_w)) / rise;
+        if rise < FLAT || (!self.standing && stroke_m <= self.start.stroke_m) {
+            return None;
+        }
+        let point_w = free_w + axis_w * stroke_m - normal_w * self.radius_m;
+        let point_b = motion.attitude_wb.inverse_transform_vector(&(point_w - motion.position_w));
+        let body_w = motion.point_velocity_w(&point_b);
+        let stroke_rate_m_s = -body_w.dot(&normal_w) / rise;
+        let axial_n = self.axial_n(stroke_m, stroke_rate_m_s);
+        if axial_n <= 0.0 {
+            return None;
+        }
+        // (T.32) Spring and damper along the ground.
+        let touch_w = motion.point_position_w(&self.touch_b) + axis_w * stroke_m;
+        let slip_w = tangential(&(touch_w - self.anchor_w), &normal_w);
+        let slip_m_s = tangential(&(body_w + axis_w * stroke_rate_m_s), &normal_w);
+        let hold_w = slip_w * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
+        // (T.33) Along the strut's axis ground force and strut balance on the massless pad.
+        let sticking_n = (axial_n - hold_w.dot(&axis_w)) / rise;
+        let hold_n = hold_w.norm();
+        let friction = site.pad_friction();
+        let (normal_n, friction_w) = if hold_n <= friction * sticking_n {
+            (sticking_n, hold_w)
+        } else {
+            let direction_w = hold_w / hold_n;
+            let normal_n = axial_n / (rise + friction * direction_w.dot(&axis_w)).max(FLAT);
+            (normal_n, direction_w * (friction * normal_n))
+        };
+        let ground_w = normal_w * normal_n + friction_w;
+        Some(PadForce { ground_w, point_b, stroke_m, axial_n, slip_w, normal_n })
+    }
+
+    /// State of leg and grip after a step that ended in `motion`.
+    pub fn settle(&self, site: &Site, motion: &Motion, step_s: f64, grip: &mut Grip) -> LegState {
+        let strut = &self.leg.strut;
+        let Some(force) = self.force(site, motion) else {
+            grip.slip_w = None;
+            // (T.35) Off the ground the damper lets the strut spring back to its crushed length.
+            let decay = if strut.damping_n_s_m > 0.0 {
+                (-step_s * strut.stiffness_n_m / strut.damping_n_s_m).exp()
+            } else {
+                0.0
+            };
+            let crushed_m = self.start.crushed_m;
+            let stroke_m = crushed_m + (self.start.stroke_m - crushed_m) * decay;
+            return LegState { stroke_m, crushed_m, ..LegState::default() };
+        };
+        // (T.34) Friction holds no more than this; the rest was a slide.
+        let most_m = site.pad_friction() * force.normal_n / self.grip_n_m;
+        grip.slip_w = Some(force.slip_w.cap_magnitude(most_m));
+        LegState {
+            stroke_m: force.stroke_m,
+            crushed_m: crushed_after(strut, self.start.crushed_m, force.stroke_m),
+            load_n: force.axial_n,
+            ground_force_w: force.ground_w,
+        }
+    }
+
+    /// (T.31) Strut law with its stop.
+    fn axial_n(&self, stroke_m: f64, rate_m_s: f64) -> f64 {
+        let strut = &self.leg.strut;
+        let over_m = stroke_m - strut.stroke_max_m;
+        let stop_n = if over_m > 0.0 {
+            let critical_n_s_m = 2.0 * self.share_kg * STOP_RAD_S;
+            (self.share_kg * STOP_RAD_S * STOP_RAD_S * over_m + critical_n_s_m * rate_m_s).max(0.0)
+        } else {
+            0.0
+        };
+        strut_load_n(strut, self.start.crushed_m, stroke_m, rate_m_s) + stop_n
+    }
+}
+
+fn tangential(vector_w: &Vector3<f64>, normal_w: &Vector3<f64>) -> Vector3<f64> {
+    vector_w - normal_w * normal_w.dot(vector_w)
+}

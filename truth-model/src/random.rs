@@ -1,0 +1,70 @@
+//! Random draws as a function of (seed, stream, index): any draw can be repeated alone, and a new
+//! stream changes no other.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+
+/// Uniform in [0, 1): draw `index` of a named stream.
+pub fn uniform(seed: u64, stream: &str, index: u64) -> f64 {
+    to_unit(generator(seed, stream, index).next_u64())
+}
+
+/// Standard normal: draw `index` of a named stream (Box and Muller 1958).
+pub fn normal(seed: u64, stream: &str, index: u64) -> f64 {
+    let mut generator = generator(seed, stream, index);
+    // 1 - u lies in (0, 1]: its logarithm is finite.
+    let radius = (-2.0 * (1.0 - to_unit(generator.next_u64())).ln()).sqrt();
+    radius * (std::f64::consts::TAU * to_unit(generator.next_u64())).cos()
+}
+
+/// Three independent standard normals.
+pub fn normal3(seed: u64, stream: &str, index: u64) -> nalgebra::Vector3<f64> {
+    nalgebra::Vector3::from_fn(|axis, _| normal(seed, stream, 3 * index + axis as u64))
+}
+
+/// The generator at the place of one draw: a stream is one sequence of ChaCha8 of its own.
+fn generator(seed: u64, stream: &str, index: u64) -> ChaCha8Rng {
+    /// 32-bit words set aside for one draw.
+    const WORDS: u128 = 4;
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(fnv1a(stream));
+    generator.set_word_pos(WORDS * u128::from(index));
+    generator
+}
+
+/// The 53 leading bits as a fraction.
+fn to_unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 * 2.0_f64.powi(-53)
+}
+
+/// FNV-1a, 64 bits.
+fn fnv1a(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_repeatable_and_streams_and_seeds_differ() {
+        assert_eq!(normal(7, "thrust", 3), normal(7, "thrust", 3));
+        assert_ne!(normal(7, "thrust", 3), normal(7, "thrust", 4));
+        assert_ne!(normal(7, "thrust", 3), normal(7, "gimbal", 3));
+        assert_ne!(normal(7, "thrust", 3), normal(8, "thrust", 3));
+    }
+
+    #[test]
+    fn normals_have_the_moments_of_a_normal() {
+        let n = 20_000_u64;
+        let draws: Vec<f64> = (0..n).map(|index| normal(1, "moments", index)).collect();
+        let moment = |power: i32| draws.iter().map(|x| x.powi(power)).sum::<f64>() / n as f64;
+        // Five standard errors of each sample moment: sqrt(Var(x^p) / n) = sqrt((1, 2, 96) / n).
+        for (power, expected, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (4, 3.0, 96.0)] {
+            let bound = 5.0 * (variance / n as f64).sqrt();
+            assert!((moment(power) - expected).abs() < bound, "moment {power}: {}", moment(power));
+        }
+    }
+}
