@@ -35,7 +35,8 @@ pub enum Limit {
 }
 
 impl Limit {
-    fn violated_by(self, value: f64) -> Option<String> {
+    /// What `value` should have been, if it is not within the limit.
+    pub fn violated_by(self, value: f64) -> Option<String> {
         let (ok, need) = match self {
             Self::Any => (true, String::new()),
             Self::Positive => (value > 0.0, "must be greater than 0".to_owned()),

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, Parser, Subcommand};
-use cosim::landing::{Error, Landing};
+use cosim::landing::{Error, Landing, write_whole};
 use cosim::layout::Layout;
 use cosim::master::Master;
 use cosim::schedule::{Pair, Schedule};
+use cosim::touchdowns::{self, Cases, Engine};
 use cosim::verdict::gate_passed;
 use guidance_fmu::Guidance;
-use lander_models::Settings;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
+use lander_models::{Settings, Ticks, Vehicle};
 use truth_model::TruthModel;
 
 const OK: u8 = 0;
@@ -22,8 +23,9 @@ const GATE_NOT_PASSED: u8 = 1;
 /// 128 + SIGINT, as a shell reports it.
 const INTERRUPTED: u8 = 130;
 
-/// The kit's scenarios, in the folder of its workspace.
+/// The kit's files, in the folder of its workspace.
 const SCENARIOS: &str = "models/scenarios";
+const VEHICLES: &str = "models/vehicles";
 
 const INTERFACES: Pair<&Interface> = Pair { truth: &TRUTH, guidance: &GUIDANCE };
 
@@ -59,6 +61,33 @@ enum Command {
         #[command(flatten)]
         report: Report,
     },
+    /// Run touchdowns from a file of contact states, engine off, each to its verdict
+    Touchdowns(Touchdowns),
+}
+
+#[derive(Args)]
+struct Touchdowns {
+    /// CSV file, a case a row (its columns: cosim-tests/README.md)
+    #[arg(long)]
+    cases: PathBuf,
+    /// Vehicle file, or the name of one in models/vehicles
+    #[arg(long, default_value = "bug")]
+    vehicle: PathBuf,
+    /// Contact engine
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
+    /// Simulated time after which a case ends undecided, s
+    #[arg(long, default_value = "30", value_parser = stop_time)]
+    stop_time: Ticks,
+    /// Number of threads; 0 takes all cores. The results don't depend on it
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// CSV file for the results, instead of standard output
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Print counts and rows as one JSON object
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Args)]
@@ -89,19 +118,56 @@ impl Cli {
                 let flown = record(width, &mut landing);
                 report.conclude(landing, flown)
             }
+            Command::Touchdowns(touchdowns) => touchdowns.run(),
         }
     }
 }
 
-/// A bare name that is no file means a scenario of the kit around the current folder.
+/// A whole number of ticks, at least one.
+fn stop_time(text: &str) -> Result<Ticks, String> {
+    let seconds: f64 = text.parse().map_err(|_| "must be a number".to_owned())?;
+    match Ticks::from_seconds(seconds) {
+        Ok(ticks) if ticks > Ticks::ZERO => Ok(ticks),
+        Ok(_) => Err("must be greater than 0".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+impl Touchdowns {
+    fn run(&self) -> Result<u8, Error> {
+        let vehicle = Vehicle::load(&kit_file(self.vehicle.clone(), VEHICLES))?;
+        let cases = Cases::read(&self.cases, &vehicle)?;
+        let rows = cases.run(&vehicle, self.engine, self.stop_time, self.threads)?;
+        let csv = touchdowns::to_csv(&rows);
+        if let Some(file) = &self.out {
+            write_whole(file, &csv)?;
+        }
+        if self.json {
+            print(&(serde_json::to_string_pretty(&touchdowns::to_json(&rows))? + "\n"))?;
+        } else if self.out.is_some() {
+            let counts = touchdowns::count(&rows);
+            let words: Vec<_> = counts.iter().map(|(name, n)| format!("{n} {name}")).collect();
+            print(&format!("{} touchdowns: {}\n", rows.len(), words.join(", ")))?;
+        } else {
+            print(&csv)?;
+        }
+        Ok(OK)
+    }
+}
+
 fn scenario_path(given: PathBuf) -> PathBuf {
+    kit_file(given, SCENARIOS)
+}
+
+/// A bare name that is no file means a file of the kit around the current folder.
+fn kit_file(given: PathBuf, folder: &str) -> PathBuf {
     let bare = given.extension().is_none() && given.file_name() == Some(given.as_os_str());
     if !bare || given.is_file() {
         return given;
     }
     let here = std::env::current_dir().unwrap_or_default();
-    let kit = here.ancestors().map(|folder| folder.join(SCENARIOS)).find(|folder| folder.is_dir());
-    kit.unwrap_or_else(|| SCENARIOS.into()).join(given).with_extension("toml")
+    let kit = here.ancestors().map(|above| above.join(folder)).find(|folder| folder.is_dir());
+    kit.unwrap_or_else(|| folder.into()).join(given).with_extension("toml")
 }
 
 fn run(schedule: &Schedule, settings: &Settings, landing: &mut Landing) -> Result<(), Error> {

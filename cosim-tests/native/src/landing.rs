@@ -15,6 +15,7 @@ use crate::recorder::{Recorder, RecorderError};
 use crate::results::{Results, UnknownOutcome};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, ScheduleError};
+use crate::touchdowns::TouchdownsError;
 use crate::verdict::Verdict;
 
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +26,8 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
+    #[error(transparent)]
+    Touchdowns(#[from] TouchdownsError),
     #[error(transparent)]
     Recorder(#[from] RecorderError),
     #[error("{}: {source}", file.display())]
@@ -225,8 +228,8 @@ fn remove(file: &Path) -> Result<(), Error> {
 }
 
 /// A reader never sees half a file.
-fn write_whole(file: &Path, text: &str) -> Result<(), Error> {
-    let part = file.with_extension("json.part");
+pub fn write_whole(file: &Path, text: &str) -> Result<(), Error> {
+    let part = file.with_added_extension("part");
     fs::write(&part, text)
         .and_then(|()| fs::rename(&part, file))
         .map_err(|source| Error::File { file: file.to_owned(), source })

@@ -12,4 +12,5 @@ pub mod results;
 pub mod scene;
 pub mod schedule;
 pub mod telemetry;
+pub mod touchdowns;
 pub mod verdict;

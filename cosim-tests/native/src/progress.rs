@@ -1,6 +1,8 @@
 //! Progress on stderr: a bar on a terminal, now and then a line elsewhere.
 
 use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -63,5 +65,54 @@ impl Progress {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Progress over a known number of equal pieces of work, from any thread.
+pub struct Count {
+    what: &'static str,
+    total: u64,
+    bar: ProgressBar,
+    /// With stderr no terminal: start, and when to say the next line.
+    lines: Option<(Instant, Mutex<Instant>)>,
+}
+
+/// Time between two plain lines of a `Count`.
+const COUNT_LINE_PERIOD: Duration = Duration::from_secs(10);
+
+impl Count {
+    pub fn new(what: &'static str, total: usize) -> Self {
+        let total = total as u64;
+        let terminal = std::io::stderr().is_terminal();
+        let target =
+            if terminal { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let style = ProgressStyle::with_template("{bar:20} {pos}/{len} {msg}, {eta} left");
+        let bar = ProgressBar::with_draw_target(Some(total), target)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            .with_message(what);
+        let now = Instant::now();
+        let lines = (!terminal).then(|| (now, Mutex::new(now + COUNT_LINE_PERIOD)));
+        Self { what, total, bar, lines }
+    }
+
+    pub fn one_more(&self) {
+        self.bar.inc(1);
+        let Some((start, next)) = &self.lines else { return };
+        // Whoever holds the lock says the line.
+        let Ok(mut next) = next.try_lock() else { return };
+        if Instant::now() < *next {
+            return;
+        }
+        *next = Instant::now() + COUNT_LINE_PERIOD;
+        let (done, total) = (self.bar.position(), self.total);
+        let left = start.elapsed().mul_f64((total - done) as f64 / done as f64);
+        let left_s = left.as_secs();
+        // Nobody has to listen.
+        let _ = writeln!(std::io::stderr(), "{done}/{total} {}, {left_s} s left", self.what);
+    }
+
+    /// Removes the bar.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
     }
 }
