@@ -192,9 +192,10 @@ impl RapierWorld {
             let axis_w = motion.attitude_wb * leg.stroke_axis_b;
             let free_w = motion.point_position_w(&gear.pad_centre_b(leg));
             let pad_w = from_glam(self.world.bodies[foot.body].translation());
+            let cap_n = crush_load_n(&leg.strut, state.stroke_m);
             state.stroke_m = (pad_w - free_w).dot(&axis_w);
             state.load_n = self.strut_load_n(foot);
-            state.crushed_m = crushed_after(&leg.strut, state.crushed_m, state.stroke_m);
+            state.crushed_m = crushed_after(&leg.strut, cap_n, state.crushed_m, state.stroke_m);
         }
     }
 
