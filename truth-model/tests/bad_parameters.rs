@@ -14,8 +14,11 @@ use truth_model::TruthModel;
 const VEHICLE: &str = include_str!("../../models/vehicles/bug.toml");
 const SCENARIO: &str = include_str!("../../models/scenarios/landing.toml");
 
+/// Changes a key of a section.
+type Spoil = fn(&mut Table, &str);
+
 /// What is done to a key: a value put in the place of each of its numbers, or the whole changed.
-const SPOILS: [(&str, fn(&mut Table, &str)); 11] = [
+const SPOILS: [(&str, Spoil); 11] = [
     ("negative", |t, key| number(t, key, -1.0)),
     ("zero", |t, key| number(t, key, 0.0)),
     ("tiny", |t, key| number(t, key, 1e-300)),
@@ -56,7 +59,7 @@ fn numbers(text: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-fn spoilt(text: &str, section: &str, key: &str, spoil: fn(&mut Table, &str)) -> String {
+fn spoilt(text: &str, section: &str, key: &str, spoil: Spoil) -> String {
     let mut root: Table = text.parse().unwrap();
     spoil(root[section].as_table_mut().unwrap(), key);
     root.to_string()
