@@ -2,29 +2,41 @@
 
 mod scvx_scenarios;
 
+use claims::{Bound, Claim};
 use guidance_fmu::scvx::{FinalTilt, PathLimits, Plan, Problem, Settings, Structure, plan};
 use nalgebra::Vector3;
 use scvx_scenarios::{descent, flown_descent};
 
 /// Optima by Pontryagin shooting, kg, found without the planner. The tolerance covers held
 /// accelerations: a burn at constant u gives up the mass flow of one interval, below 0.1 %.
-fn assert_optimum(problem: &Problem, optimum_kg: f64) {
+fn assert_optimum(id: &str, flight: &str, problem: &Problem, optimum_kg: f64) {
     let found = plan(problem, &Settings::default()).expect("feasible");
     let excess = found.propellant_kg() / optimum_kg - 1.0;
-    assert!(excess.abs() < 1e-3, "{:.5} kg, {excess:.1e} off", found.propellant_kg());
+    Claim {
+        id,
+        section: "Guidance",
+        claim: &format!("propellant of the {flight}, {optimum_kg} kg"),
+        reference: "Pontryagin shooting, found without the planner",
+        unit: "%",
+        bound: Bound::AtMost(0.1),
+        origin: "held accelerations: a burn at constant u gives up the flow of one interval",
+        noise: 0.0,
+    }
+    .holds(100.0 * excess);
     // A discretised plan cannot beat the optimum by more than the optimum's own last digit.
     assert!(excess > -1e-5, "better than optimal by {excess:.1e}");
 }
 
 #[test]
 fn descent_matches_the_pontryagin_optimum() {
-    assert_optimum(&descent(), 6.74907);
+    assert_optimum("propellant-descent", "descent", &descent(), 6.74907);
 }
 
 #[test]
 fn hop_matches_the_pontryagin_optimum() {
     let r0_w = Vector3::new(200.0, 0.0, 5.0);
-    assert_optimum(&Problem { r0_w, v0_w: Vector3::zeros(), ..descent() }, 4.68829);
+    let hop = Problem { r0_w, v0_w: Vector3::zeros(), ..descent() };
+    assert_optimum("propellant-hop", "hop", &hop, 4.68829);
 }
 
 /// A linear congruential generator (Knuth's MMIX constants) and a 12-fold sum for a normal deviate.
@@ -46,7 +58,7 @@ impl Lcg {
 }
 
 /// Every dispersed state (60 m, 6 m/s per axis) is plannable: the required share is all of them.
-fn assert_all_found(nominal: &Problem) {
+fn assert_all_found(id: &str, flight: &str, nominal: &Problem) {
     let mut random = Lcg(1);
     let mut refused = Vec::new();
     for run in 0..200 {
@@ -59,6 +71,19 @@ fn assert_all_found(nominal: &Problem) {
         }
     }
     assert!(refused.is_empty(), "found {} of 200; {refused:?}", 200 - refused.len());
+    Claim {
+        id,
+        section: "Guidance",
+        claim: &format!(
+            "dispersed starts of 200 with a sound plan: {flight}, 60 m and 6 m/s an axis"
+        ),
+        reference: "every one is feasible",
+        unit: "",
+        bound: Bound::AtLeast(200.0),
+        origin: "all of them",
+        noise: 0.0,
+    }
+    .holds(200.0 - refused.len() as f64);
 }
 
 /// The miss is measured by the planner's independent re-propagation; a millimetre is ten times its
@@ -84,12 +109,12 @@ fn assert_sound(problem: &Problem, found: &Plan) {
 
 #[test]
 fn dispersed_descents_are_all_found() {
-    assert_all_found(&descent());
+    assert_all_found("dispersed-descents", "descent to rest", &descent());
 }
 
 #[test]
 fn dispersed_flown_descents_are_all_found() {
-    assert_all_found(&flown_descent());
+    assert_all_found("dispersed-flown-descents", "descent to the gate", &flown_descent());
 }
 
 #[test]

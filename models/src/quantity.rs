@@ -24,6 +24,10 @@ pub enum ConfigError {
 /// How well a number is known. A vehicle file grades every one.
 pub const GRADES: [&str; 4] = ["documented", "derived", "assumed", "unknown"];
 
+/// Largest magnitude of any number: beyond every quantity of a lander, and its products of a few
+/// are far from overflow.
+const LARGEST: f64 = 1e16;
+
 /// What a number must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
@@ -267,10 +271,10 @@ impl Section {
                 return Err(self.error(key, format!("must be a number, is {}", other.type_str())));
             }
         };
-        if number.is_finite() {
+        if number.abs() <= LARGEST {
             Ok(number)
         } else {
-            Err(self.error(key, format!("is {number}, must be finite")))
+            Err(self.error(key, format!("is {number:e}, must be finite, {LARGEST:e} at most")))
         }
     }
 

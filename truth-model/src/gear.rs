@@ -26,17 +26,27 @@ pub fn crush_load_n(strut: &Strut, stroke_m: f64) -> f64 {
     if stroke_m < strut.stroke_1_m { strut.crush_1_n } else { strut.crush_2_n }
 }
 
-/// Load of a strut that was crushed to `crushed_m`, N (T.10): never pulls. The stop is not in it.
-pub fn strut_load_n(strut: &Strut, crushed_m: f64, stroke_m: f64, rate_m_s: f64) -> f64 {
-    let crushed_m = crushed_after(strut, crushed_m, stroke_m);
+/// Load of a strut in a step that began at `cap_n` and `crushed_m`, N (T.10): never pulls. The stop
+/// is not in it.
+pub fn strut_load_n(
+    strut: &Strut,
+    cap_n: f64,
+    crushed_m: f64,
+    stroke_m: f64,
+    rate_m_s: f64,
+) -> f64 {
+    let crushed_m = crushed_after(strut, cap_n, crushed_m, stroke_m);
     let load_n = strut.stiffness_n_m * (stroke_m - crushed_m) + strut.damping_n_s_m * rate_m_s;
     load_n.clamp(0.0, crush_load_n(strut, stroke_m))
 }
 
-/// Plastic stroke after the strut was at `stroke_m` (T.12): the elastic strain never exceeds
-/// what the crush load of its stage can hold, and crushing is never undone.
-pub fn crushed_after(strut: &Strut, crushed_m: f64, stroke_m: f64) -> f64 {
-    let elastic_limit_m = crush_load_n(strut, stroke_m) / strut.stiffness_n_m;
+/// Plastic stroke after a tick that led to `stroke_m` with the strut's force capped at `cap_n`
+/// (T.12): the elastic strain never exceeds what the cap can hold, and crushing is never undone.
+///
+/// The cap is that of the tick, not of the stage that its stroke has just reached: the strain that
+/// a higher cap allows has not been worked for.
+pub fn crushed_after(strut: &Strut, cap_n: f64, crushed_m: f64, stroke_m: f64) -> f64 {
+    let elastic_limit_m = cap_n / strut.stiffness_n_m;
     // Entering stage two raises the limit; the crush of stage one is kept.
     crushed_m.max((stroke_m - elastic_limit_m).min(strut.stroke_max_m))
 }
@@ -54,18 +64,34 @@ mod tests {
     fn small_strokes_are_elastic_and_large_ones_leave_a_mark() {
         let strut = strut();
         let elastic_m = strut.crush_1_n / strut.stiffness_n_m;
-        assert_eq!(crushed_after(&strut, 0.0, 0.9 * elastic_m), 0.0);
-        let crushed = crushed_after(&strut, 0.0, 0.03);
+        let after =
+            |crushed_m, stroke_m| crushed_after(&strut, strut.crush_1_n, crushed_m, stroke_m);
+        assert_eq!(after(0.0, 0.9 * elastic_m), 0.0);
+        let crushed = after(0.0, 0.03);
         assert_eq!(crushed, 0.03 - elastic_m);
-        assert_eq!(crushed_after(&strut, crushed, 0.01), crushed, "a rebound must not heal it");
+        assert_eq!(after(crushed, 0.01), crushed, "a rebound must not heal it");
     }
 
     #[test]
     fn the_second_stage_keeps_the_first_stages_crush() {
         let strut = strut();
-        let at_boundary = crushed_after(&strut, 0.0, strut.stroke_1_m - 1e-12);
-        let just_beyond = crushed_after(&strut, at_boundary, strut.stroke_1_m + 1e-12);
-        assert!(just_beyond >= at_boundary);
-        assert!(crushed_after(&strut, 0.0, 0.15) > strut.stroke_1_m);
+        let at_boundary = crushed_after(&strut, strut.crush_1_n, 0.0, strut.stroke_1_m - 1e-12);
+        let beyond_m = strut.stroke_1_m + 1e-12;
+        assert!(crushed_after(&strut, strut.crush_2_n, at_boundary, beyond_m) >= at_boundary);
+        assert!(crushed_after(&strut, strut.crush_2_n, 0.0, 0.15) > strut.stroke_1_m);
+    }
+
+    #[test]
+    fn a_tick_across_the_stages_stores_no_more_than_it_was_given() {
+        let strut = strut();
+        let stored_j = |stroke_m: f64, crushed_m: f64| {
+            0.5 * strut.stiffness_n_m * (stroke_m - crushed_m).powi(2)
+        };
+        // 4 mm in a tick that began 1 mm short of stage two, at the first stage's cap.
+        let (from_m, to_m) = (strut.stroke_1_m - 1e-3, strut.stroke_1_m + 3e-3);
+        let before_m = crushed_after(&strut, strut.crush_1_n, 0.0, from_m);
+        let after_m = crushed_after(&strut, strut.crush_1_n, before_m, to_m);
+        // Plastic flow at the cap stores nothing more; 1e-9 J is rounding of 5.6 J.
+        assert!(stored_j(to_m, after_m) - stored_j(from_m, before_m) < 1e-9);
     }
 }

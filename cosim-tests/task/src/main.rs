@@ -6,20 +6,24 @@
 mod land;
 mod python;
 mod steps;
+mod validation;
 mod verify;
 mod workspace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use validation::Accept;
+
 const USAGE: &str = "\
 usage: cargo land [SCENARIO] [--json] [--gate] [--out DIR]   build, then land with FMPy
-       cargo verify                                          run every check
+       cargo verify [--accept]                               run every check
 
 SCENARIO  a scenario file, or the name of one in models/scenarios (default: landing)
 --json    print the results as one JSON object instead of the verdict
 --gate    exit with 1 unless the outcome is `landed`
---out     folder for the log and the results (default: results)";
+--out     folder for the log and the results (default: results)
+--accept  write docs/VALIDATION.md as the tests measured it, instead of comparing";
 
 /// Bad arguments, or a step that could not be started.
 const FAILED: u8 = 2;
@@ -32,7 +36,10 @@ fn main() -> ExitCode {
             Ok(0)
         }
         Some((task, rest)) if task == "land" => land::land(rest),
-        Some((task, [])) if task == "verify" => verify::verify(),
+        Some((task, [])) if task == "verify" => verify::verify(Accept::No),
+        Some((task, [word])) if task == "verify" && word == "--accept" => {
+            verify::verify(Accept::Yes)
+        }
         _ => Err(steps::Failure::new(USAGE)),
     };
     match result {

@@ -5,17 +5,18 @@ use std::process::{Command, Stdio};
 use crate::land::{build, build_fmus, in_root};
 use crate::python;
 use crate::steps::{Failure, Steps, run, say};
+use crate::validation::{self, Accept};
 use crate::workspace::Workspace;
 
-pub fn verify() -> Result<u8, Failure> {
+pub fn verify(accept: Accept) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
-    let mut steps = Steps::new(7);
-    let result = checks(&workspace, &mut steps);
+    let mut steps = Steps::new(8);
+    let result = checks(&workspace, &mut steps, accept);
     summarise(&steps, result.is_ok());
     result.map(|()| 0)
 }
 
-fn checks(workspace: &Workspace, steps: &mut Steps) -> Result<(), Failure> {
+fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<(), Failure> {
     let cargo = |arguments: &str| {
         let mut command = in_root(Command::new("cargo"), workspace);
         run(&format!("cargo {arguments}"), command.args(arguments.split_whitespace()))
@@ -23,14 +24,18 @@ fn checks(workspace: &Workspace, steps: &mut Steps) -> Result<(), Failure> {
     steps.run("format", || cargo("fmt --all --check"))?;
     steps.run("lint", || cargo("clippy --release --workspace --all-targets -- -D warnings"))?;
     steps.run("build", || build(workspace))?;
-    steps.run("Rust tests", || cargo(test_command()))?;
+    steps.run("Rust tests", || {
+        validation::start()?;
+        cargo(test_command())
+    })?;
     steps.run("FMUs", || build_fmus(workspace))?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
         pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);
         run("pytest", pytest.env("PYTHONPATH", workspace.python_package()))
-    })
+    })?;
+    steps.run("validation", || validation::finish(workspace, accept))
 }
 
 fn test_command() -> &'static str {

@@ -256,10 +256,11 @@ impl RapierWorld {
             let body = &self.world.bodies[foot.body];
             let stroke_m = (from_glam(body.translation()) - free_w).dot(&axis_w);
             let step_s = self.world.integration_parameters.dt;
+            let cap_n = crush_load_n(&leg.strut, legs[n].stroke_m);
             legs[n] = LegState {
                 stroke_m,
                 stroke_rate_m_s: (stroke_m - legs[n].stroke_m) / step_s,
-                crushed_m: crushed_after(&leg.strut, legs[n].crushed_m, stroke_m),
+                crushed_m: crushed_after(&leg.strut, cap_n, legs[n].crushed_m, stroke_m),
                 load_n: self.strut_load_n(foot),
                 ground_force_w: self.ground_force_w(foot.pad),
                 sinkage_m: self.ground.sinkage_m(n),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::{Footing, Site};
 use crate::flight::Motion;
-use crate::gear::{LegState, crushed_after, strut_load_n};
+use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 
 /// Natural frequency of a leg's share of the vehicle on a gripping pad, rad/s times the
 /// refinement: the stiffest hold that steps of 1 ms carry, so that finer ones tend to a rigid one.
@@ -161,11 +161,16 @@ impl<'a> Pad<'a> {
         LegState {
             stroke_m: force.stroke_m,
             stroke_rate_m_s: force.stroke_rate_m_s,
-            crushed_m: crushed_after(strut, self.start.crushed_m, force.stroke_m),
+            crushed_m: crushed_after(strut, self.cap_n(), self.start.crushed_m, force.stroke_m),
             load_n: force.axial_n,
             ground_force_w: force.ground_w,
             sinkage_m: 0.0,
         }
+    }
+
+    /// Crush load of the stage in which the step began.
+    fn cap_n(&self) -> f64 {
+        crush_load_n(&self.leg.strut, self.start.stroke_m)
     }
 
     /// (T.31) Strut law with its stop.
@@ -178,7 +183,7 @@ impl<'a> Pad<'a> {
         } else {
             0.0
         };
-        strut_load_n(strut, self.start.crushed_m, stroke_m, rate_m_s) + stop_n
+        strut_load_n(strut, self.cap_n(), self.start.crushed_m, stroke_m, rate_m_s) + stop_n
     }
 }
 
