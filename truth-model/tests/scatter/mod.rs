@@ -9,6 +9,8 @@ use truth_model::{State, TruthModel};
 
 use crate::common::{Setup, bug, on_plane};
 
+/// Natural frequency at which contact holds a pad on the ground (README, "Contact").
+const PAD_FREQUENCY_HZ: f64 = 500.0;
 /// Radius of BUG's footprint, m.
 pub const FOOT_CIRCLE_M: f64 = 1.885;
 
@@ -83,7 +85,7 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
     let rigid_j = 0.5 * mass.mass_kg * velocity_w.norm_squared()
         + spin_j
         + weight_n * motion.point_position_w(&mass.com_b).z;
-    // ... corrected for where the feet are, how they move, and what the struts store.
+    // ... corrected for where the feet are, how they move, and what struts and pads store.
     let gear = &vehicle.gear;
     let strokes = gear.legs.iter().zip(before.legs.iter().zip(&state.legs));
     let legs_j: f64 = strokes
@@ -101,5 +103,10 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
             kinetic_j + lift_j + 0.5 * leg.strut.stiffness_n_m * strain_m * strain_m
         })
         .sum();
-    rigid_j + legs_j
+    let pad_n_m = gear.foot_mass_kg * (std::f64::consts::TAU * PAD_FREQUENCY_HZ).powi(2);
+    let pads_j: f64 = model
+        .foot_clearances_m(state)
+        .map(|clearance_m| 0.5 * pad_n_m * clearance_m.min(0.0).powi(2))
+        .sum();
+    rigid_j + legs_j + pads_j
 }
