@@ -235,8 +235,8 @@ fn mirrored_and_turned_touchdowns_are_the_same() {
         id: "symmetry-reordered",
         claim: "distance between the ends of touchdowns mirrored or put on other legs",
         unit: "m",
-        bound: Bound::AtMost(2e-3),
-        origin: "a tenth of a pad's radius; the solver takes the feet in file order and leaves a residual",
+        bound: Bound::AtMost(2e-2),
+        origin: "a pad's radius: the solver takes the feet in file order, and impacts magnify what its sweeps leave",
         ..claim
     }
     .holds_for(reordered_m);

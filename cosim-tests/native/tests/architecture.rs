@@ -45,8 +45,9 @@ fn naming(word: &str) -> Vec<String> {
 }
 
 #[test]
-fn each_engine_is_named_in_one_file() {
-    assert_eq!(naming("rapier3d_f64"), ["truth-model/src/contact/rapier.rs"]);
+fn each_engine_is_named_in_one_place() {
+    let rapier = "truth-model/src/contact/rapier/";
+    assert!(naming("rapier3d_f64").iter().all(|path| path.starts_with(rapier)));
     assert_eq!(naming("clarabel::"), ["guidance-fmu/src/scvx/conic.rs"]);
     assert_eq!(naming("foxglove::"), ["cosim-tests/native/src/recorder.rs"]);
 }

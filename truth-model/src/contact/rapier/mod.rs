@@ -47,13 +47,13 @@ struct Pace {
     sweeps: usize,
 }
 
-/// A pad comes down: Rapier stops it up to two sub-steps early, and its strut then works for so
-/// much longer.
-const TOUCHING: Pace = Pace { steps: 32, iterations: 4, sweeps: 4 };
+/// A pad comes down, or the structure, or a strut reaches its stop: Rapier stops it up to
+/// two sub-steps early, and a strut then works for so much longer.
+const TOUCHING: Pace = Pace { steps: 32, iterations: 4, sweeps: 8 };
 /// A strut strokes: the semi-implicit sub-step h takes v h/2 of the stroke.
-const STROKING: Pace = Pace { steps: 4, iterations: 4, sweeps: 4 };
+const STROKING: Pace = Pace { steps: 4, iterations: 4, sweeps: 8 };
 /// Rocking, turning and sliding.
-const MOVING: Pace = Pace { steps: 1, iterations: 1, sweeps: 4 };
+const MOVING: Pace = Pace { steps: 1, iterations: 4, sweeps: 4 };
 /// Standing: what the sweeps leave of friction would let it creep.
 const STANDING: Pace = Pace { steps: 1, iterations: 4, sweeps: 8 };
 
@@ -174,7 +174,10 @@ impl RapierWorld {
         for (n, foot) in self.feet.iter().enumerate() {
             let velocity_w = from_glam(self.world.bodies[foot.body].linvel());
             if self.standing[n] {
-                stroking |= legs[n].stroke_rate_m_s.abs() > GENTLE_M_S;
+                let rate_m_s = legs[n].stroke_rate_m_s;
+                let left_m = site.vehicle.gear.legs[n].strut.stroke_max_m - legs[n].stroke_m;
+                stroking |= rate_m_s.abs() > GENTLE_M_S;
+                touching |= rate_m_s > GENTLE_M_S && left_m < 2.0 * TICK_S * rate_m_s;
             } else {
                 let footing = site.footing(&parts_w[n]);
                 let gap_m = footing.clearance_m(&parts_w[n]) - site.vehicle.gear.pad_radius_m;
@@ -182,12 +185,32 @@ impl RapierWorld {
                 touching |= closing_m_s > GENTLE_M_S && gap_m < 2.0 * TICK_S * closing_m_s;
             }
         }
+        touching |= self.structure_near(site, parts_w, speed_m_s);
         match () {
             () if touching => TOUCHING,
             () if stroking => STROKING,
             () if self.still > STILL_TIME => STANDING,
             () => MOVING,
         }
+    }
+
+    /// Whether hull or nozzle may meet the ground within two ticks.
+    fn structure_near(&self, site: &Site, parts_w: &[Vector3<f64>], speed_m_s: f64) -> bool {
+        let (hull, engine) = (&site.vehicle.hull, &site.vehicle.engine);
+        let axis_w = from_glam_rotation(*self.world.bodies[self.hull].rotation()) * Vector3::z();
+        let [.., bottom_w, nozzle_w] = parts_w else { return false };
+        let top_w = bottom_w + axis_w * (hull.top_height_m - hull.bottom_height_m);
+        let rims = [
+            (*bottom_w, hull.radius_m),
+            (top_w, hull.radius_m),
+            (*nozzle_w, engine.nozzle_exit_radius_m),
+        ];
+        speed_m_s > GENTLE_M_S
+            && rims.iter().any(|(centre_w, radius_m)| {
+                let under = site.footing(centre_w);
+                let drop_m = radius_m * axis_w.cross(&under.normal_w).norm();
+                under.clearance_m(centre_w) - drop_m < 2.0 * TICK_S * speed_m_s
+            })
     }
 
     fn substep(&mut self, site: &Site, legs: &[LegState]) {
@@ -322,7 +345,7 @@ fn parts_w(site: &Site, motion: &Motion, legs: &[LegState]) -> Vec<Vector3<f64>>
 fn tune(world: &mut PhysicsWorld) {
     let p = &mut world.integration_parameters;
     // None leaves position errors' velocities in: tip-over speeds then err by 8 %. More add nothing.
-    p.num_internal_stabilization_iterations = 1;
+    p.num_internal_stabilization_iterations = 2;
     p.friction_model = FrictionModel::Coulomb;
     p.contact_clustering = false;
     p.contact_recycling = false;

@@ -71,9 +71,11 @@ impl ContactEngine for StrutContact {
         let mut left_s = TICK_S;
         let mut cuts = 0;
         while left_s > 0.0 {
+            let standing = self.grips.iter().filter(|grip| grip.holds()).count().max(1);
+            let sprung_kg = mass_kg - vehicle.gear.foot_mass_kg * standing as f64;
             let pads: [Option<Pad>; FOOT_SLOTS] = std::array::from_fn(|n| {
-                let leg = vehicle.gear.legs.get(n)?;
-                Some(Pad::new(site, leg, motion, legs[n], &self.grips[n], share_kg))
+                let (leg, grip) = (vehicle.gear.legs.get(n)?, &self.grips[n]);
+                Some(Pad::new(site, leg, motion, legs[n], grip, share_kg, mass_kg / sprung_kg))
             });
             let pads = || pads.iter().flatten();
             // What rounding leaves of a tick is no step of its own.

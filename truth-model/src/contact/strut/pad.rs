@@ -23,6 +23,12 @@ pub struct Grip {
     slip_w: Option<Vector3<f64>>,
 }
 
+impl Grip {
+    pub fn holds(&self) -> bool {
+        self.slip_w.is_some()
+    }
+}
+
 /// A pad at the start of a step.
 pub struct Pad<'a> {
     leg: &'a Leg,
@@ -41,6 +47,8 @@ pub struct Pad<'a> {
     grip_n_s_m: f64,
     /// Share of the vehicle's mass on one leg.
     share_kg: f64,
+    /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
+    sprung: f64,
 }
 
 /// A pad's force at one instant.
@@ -51,7 +59,7 @@ pub struct PadForce {
     pub point_b: Vector3<f64>,
     stroke_m: f64,
     stroke_rate_m_s: f64,
-    axial_n: f64,
+    load_n: f64,
     slip_w: Vector3<f64>,
     normal_n: f64,
 }
@@ -64,6 +72,7 @@ impl<'a> Pad<'a> {
         start: LegState,
         grip: &Grip,
         share_kg: f64,
+        sprung: f64,
     ) -> Self {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
@@ -85,6 +94,7 @@ impl<'a> Pad<'a> {
             grip_n_m: share_kg * grip_rad_s * grip_rad_s,
             grip_n_s_m: 2.0 * share_kg * grip_rad_s,
             share_kg,
+            sprung,
         }
     }
 
@@ -116,10 +126,12 @@ impl<'a> Pad<'a> {
         let point_b = motion.attitude_wb.inverse_transform_vector(&(point_w - motion.position_w));
         let body_w = motion.point_velocity_w(&point_b);
         let stroke_rate_m_s = -body_w.dot(&normal_w) / rise;
-        let axial_n = self.axial_n(stroke_m, stroke_rate_m_s);
-        if axial_n <= 0.0 {
+        let load_n = self.axial_n(stroke_m, stroke_rate_m_s);
+        if load_n <= 0.0 {
             return None;
         }
+        // (T.37) The feet on the ground have stopped already.
+        let axial_n = load_n * self.sprung;
         // (T.32) Spring and damper along the ground.
         let touch_w = motion.point_position_w(&self.touch_b) + axis_w * stroke_m;
         let slip_w = tangential(&(touch_w - self.anchor_w), &normal_w);
@@ -137,7 +149,7 @@ impl<'a> Pad<'a> {
             (normal_n, direction_w * (friction * normal_n))
         };
         let ground_w = normal_w * normal_n + friction_w;
-        Some(PadForce { ground_w, point_b, stroke_m, stroke_rate_m_s, axial_n, slip_w, normal_n })
+        Some(PadForce { ground_w, point_b, stroke_m, stroke_rate_m_s, load_n, slip_w, normal_n })
     }
 
     /// State of leg and grip after a step that ended in `motion`.
@@ -162,7 +174,7 @@ impl<'a> Pad<'a> {
             stroke_m: force.stroke_m,
             stroke_rate_m_s: force.stroke_rate_m_s,
             crushed_m: crushed_after(strut, self.cap_n(), self.start.crushed_m, force.stroke_m),
-            load_n: force.axial_n,
+            load_n: force.load_n,
             ground_force_w: force.ground_w,
             sinkage_m: 0.0,
         }
