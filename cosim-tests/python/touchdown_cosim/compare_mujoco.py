@@ -98,6 +98,9 @@ def report(rows: list[dict]) -> str:
     """Agreement, the classes, and every disagreement with both margins."""
     agreed = sum(row["agree"] for row in rows)
     lines = [f"{len(rows)} touchdowns, classes agree in {agreed}: {100.0 * agreed / len(rows):.1f} %"]
+    for name, captured in (("sliding", 0), ("captured", 1)):
+        agree = [row["agree"] for row in rows if row["captured"] == captured]
+        lines.append(f"  {name} pads: {sum(agree)} of {len(agree)}")
     pairs = Counter((row["kit_outcome"], row["mujoco_outcome"]) for row in rows)
     lines += [f"  {ours:>10} / {theirs:<10} {n:5d}" for (ours, theirs), n in sorted(pairs.items())]
     near = [row for row in rows if abs(row["mujoco_tip_energy_margin_j"]) < 30.0]
