@@ -36,10 +36,20 @@ impl Site<'_> {
         if self.terrain.pads_captured { CAPTURED_FRICTION } else { self.terrain.friction }
     }
 
+    /// What is nearest to a point: the ground's tangent plane or a rock's, and whether a rock's.
+    pub fn pad_footing(&self, point_w: &Vector3<f64>) -> (Footing, bool) {
+        let ground = self.footing(point_w);
+        match self.ground.nearest_rock(point_w) {
+            Some(rock) if rock.clearance_m < ground.clearance_m(point_w) => {
+                (Footing::new(&rock, point_w), true)
+            }
+            _ => (ground, false),
+        }
+    }
+
     /// The ground's tangent plane nearest to a point.
     pub fn footing(&self, point_w: &Vector3<f64>) -> Footing {
-        let Surface { clearance_m, normal_w } = self.ground.nearest(point_w);
-        Footing { normal_w, offset_m: normal_w.dot(point_w) - clearance_m }
+        Footing::new(&self.ground.nearest(point_w), point_w)
     }
 }
 
@@ -51,8 +61,18 @@ pub struct Footing {
 }
 
 impl Footing {
+    fn new(surface: &Surface, point_w: &Vector3<f64>) -> Self {
+        let Surface { clearance_m, normal_w } = *surface;
+        Self { normal_w, offset_m: normal_w.dot(point_w) - clearance_m }
+    }
+
     pub fn clearance_m(&self, point_w: &Vector3<f64>) -> f64 {
         self.normal_w.dot(point_w) - self.offset_m
+    }
+
+    /// The plane's point nearest to a point.
+    pub fn below(&self, point_w: &Vector3<f64>) -> Vector3<f64> {
+        point_w - self.normal_w * self.clearance_m(point_w)
     }
 }
 

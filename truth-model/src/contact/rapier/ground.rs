@@ -86,7 +86,7 @@ impl Soilbed {
                     let footing = site.footing(part_w);
                     if part < pads && site.terrain.soil.is_some() {
                         let plate_kg = site.vehicle.gear.foot_mass_kg;
-                        Tile::soft(world, &footing, groups, friction, earth, plate_kg)
+                        Tile::soft(world, (&footing, part_w), groups, friction, earth, plate_kg)
                     } else {
                         Tile::hard(world, &footing, groups, friction)
                     }
@@ -96,19 +96,15 @@ impl Soilbed {
         Self { tiles, rocks: Vec::new(), rocks_around_w: Vector3::repeat(f64::INFINITY) }
     }
 
-    /// Moves the planes under parts that went on, and the rocks if the vehicle did. `standing`
-    /// pads keep the soil that they have pressed.
-    pub fn follow(
-        &mut self,
-        world: &mut PhysicsWorld,
-        site: &Site,
-        parts_w: &[Vector3<f64>],
-        standing: &[bool],
-    ) {
+    /// Moves the planes under parts that went on, and the rocks if the vehicle did. A pad keeps the
+    /// soil that it has pressed until it is clear of the hole.
+    pub fn follow(&mut self, world: &mut PhysicsWorld, site: &Site, parts_w: &[Vector3<f64>]) {
         if self.tiles.len() > 1 {
-            for (part, (tile, part_w)) in self.tiles.iter_mut().zip(parts_w).enumerate() {
-                if tile.plate.is_none() || !standing.get(part).is_some_and(|on| *on) {
-                    tile.move_to(world, &site.footing(part_w));
+            for (tile, part_w) in self.tiles.iter_mut().zip(parts_w) {
+                let footing = site.footing(part_w);
+                let clear = footing.clearance_m(part_w) > site.vehicle.gear.pad_radius_m;
+                if tile.plate.is_none() || clear {
+                    tile.move_to(world, &footing, part_w);
                 }
             }
         }
@@ -164,13 +160,13 @@ impl Tile {
 
     fn soft(
         world: &mut PhysicsWorld,
-        footing: &Footing,
+        (footing, part_w): (&Footing, &Vector3<f64>),
         groups: InteractionGroups,
         friction: f64,
         earth: RigidBodyHandle,
         plate_kg: f64,
     ) -> Self {
-        let surface_w = footing.normal_w * footing.offset_m;
+        let surface_w = footing.below(part_w);
         let mass = RapierMass::new(DVec3::ZERO, plate_kg, DVec3::splat(plate_kg));
         let body = world.bodies.insert(
             RigidBodyBuilder::dynamic()
@@ -197,8 +193,8 @@ impl Tile {
     }
 
     /// Puts the plane where the ground is now: on soil, untouched soil.
-    fn move_to(&mut self, world: &mut PhysicsWorld, footing: &Footing) {
-        let surface_w = footing.normal_w * footing.offset_m;
+    fn move_to(&mut self, world: &mut PhysicsWorld, footing: &Footing, part_w: &Vector3<f64>) {
+        let surface_w = footing.below(part_w);
         if let Some(plane) = world.colliders.get_mut(self.plane) {
             plane.set_shape(SharedShape::halfspace(to_glam(&footing.normal_w)));
             if self.plate.is_none() {

@@ -19,7 +19,7 @@ use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
 use super::{ContactEngine, Site, Touch};
-use crate::flight::Motion;
+use crate::flight::{self, Motion};
 use crate::gear::{LegState, crush_load_n, crushed_after};
 use crate::propulsion::{Drive, Wrench};
 use crate::slosh;
@@ -131,9 +131,12 @@ impl ContactEngine for RapierWorld {
         let mass = vehicle.mass.at(motion.propellant_kg);
         self.world.gravity = to_glam(&site.gravity_w);
         self.set_mass(site, motion);
-        self.apply(motion, &mass, &drive.wrench(vehicle, motion, &mass.com_b));
+        let engine_flow_kg_s = drive.engine_flow_kg_s(vehicle, motion);
+        let jet = flight::jet_wrench(vehicle, motion, engine_flow_kg_s, &mass.com_b);
+        let thrust = drive.wrench(vehicle, motion, &mass.com_b);
+        self.apply(motion, &mass, [thrust, jet]);
         let parts_w = parts_w(site, motion, legs);
-        self.ground.follow(&mut self.world, site, &parts_w, &self.standing);
+        self.ground.follow(&mut self.world, site, &parts_w);
         let pace = self.pace(site, &parts_w, legs);
         let steps = site.refinement * pace.steps;
         let parameters = &mut self.world.integration_parameters;
@@ -243,14 +246,16 @@ impl RapierWorld {
         hull.set_linvel(to_glam(&motion.point_velocity_w(&com_b)), true);
     }
 
-    fn apply(&mut self, motion: &Motion, mass: &MassProperties, wrench: &Wrench) {
+    fn apply(&mut self, motion: &Motion, mass: &MassProperties, wrenches: [Wrench; 2]) {
         let com_w = to_glam(&motion.point_position_w(&mass.com_b));
         let hull = &mut self.world.bodies[self.hull];
         hull.reset_forces(true);
         hull.reset_torques(true);
-        // The wrench is about the whole vehicle's centre of mass, not the hull body's.
-        hull.add_force_at_point(to_glam(&(motion.attitude_wb * wrench.force_b)), com_w, true);
-        hull.add_torque(to_glam(&(motion.attitude_wb * wrench.torque_b)), true);
+        for Wrench { force_b, torque_b } in wrenches {
+            // About the whole vehicle's centre of mass, not the hull body's.
+            hull.add_force_at_point(to_glam(&(motion.attitude_wb * force_b)), com_w, true);
+            hull.add_torque(to_glam(&(motion.attitude_wb * torque_b)), true);
+        }
     }
 
     fn read_motion(&self, site: &Site, motion: &mut Motion) {

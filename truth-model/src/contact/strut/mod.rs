@@ -3,6 +3,7 @@
 //! cost, for large campaigns.
 
 mod pad;
+mod soil;
 mod structure;
 
 use lander_models::signals::FOOT_SLOTS;

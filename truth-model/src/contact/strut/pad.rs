@@ -1,10 +1,12 @@
 //! One massless pad: where it stands on the ground and what it passes on to the body.
 
+use lander_models::scenario::Soil;
 use lander_models::vehicle::{Gear, Leg};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Footing, Site};
+use super::soil::Bed;
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 
@@ -49,6 +51,9 @@ pub struct Pad<'a> {
     share_kg: f64,
     /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
     sprung: f64,
+    bed: Bed,
+    /// Of the pad at no stroke.
+    start_clearance_m: f64,
 }
 
 /// A pad's force at one instant.
@@ -59,6 +64,7 @@ pub struct PadForce {
     pub point_b: Vector3<f64>,
     stroke_m: f64,
     stroke_rate_m_s: f64,
+    sinkage_m: f64,
     load_n: f64,
     slip_w: Vector3<f64>,
     normal_n: f64,
@@ -77,12 +83,12 @@ impl<'a> Pad<'a> {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
         let centre_w = motion.point_position_w(&(centre_b + leg.stroke_axis_b * start.stroke_m));
-        let footing = site.footing(&centre_w);
+        let (footing, on_rock) = site.pad_footing(&centre_w);
         let touch_w = centre_w - footing.normal_w * gear.pad_radius_m;
         let normal_b = motion.attitude_wb.inverse_transform_vector(&footing.normal_w);
         let slip_w = grip.slip_w.unwrap_or_default();
         let grip_rad_s = GRIP_RAD_S * f64::from(site.refinement);
-        Self {
+        let mut pad = Self {
             leg,
             centre_b,
             radius_m: gear.pad_radius_m,
@@ -95,14 +101,32 @@ impl<'a> Pad<'a> {
             grip_n_s_m: 2.0 * share_kg * grip_rad_s,
             share_kg,
             sprung,
+            bed: Bed::HARD,
+            start_clearance_m: footing.clearance_m(&motion.point_position_w(&centre_b)),
+        };
+        if let (Some(soil), false) = (&site.terrain.soil, on_rock) {
+            pad.bed = pad.bed(soil, gear.bearing_radius_m, motion);
         }
+        pad
+    }
+
+    /// Soil under the pad (T.38).
+    fn bed(&self, soil: &Soil, radius_m: f64, motion: &Motion) -> Bed {
+        let normal_w = self.footing.normal_w;
+        let rise = normal_w.dot(&(motion.attitude_wb * self.leg.stroke_axis_b)).max(FLAT);
+        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
+        let closing_m_s = -normal_w.dot(&motion.point_velocity_w(&pad_b));
+        let load_n =
+            |rate_m_s: f64| self.axial_n(self.start.stroke_m, rate_m_s / rise) * self.sprung / rise;
+        Bed::new(soil, radius_m, self.start.sinkage_m, closing_m_s, load_n)
     }
 
     /// Time until the pad reaches the ground as it moves now, s; infinite if it stands already or
     /// moves away.
     pub fn time_to_touch_s(&self, motion: &Motion) -> f64 {
         let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
-        let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m;
+        let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m
+            + self.bed.sinkage_m;
         let closing_m_s = -self.footing.normal_w.dot(&motion.point_velocity_w(&pad_b));
         if self.standing || closing_m_s <= 0.0 || gap_m <= 0.0 {
             f64::INFINITY
@@ -118,14 +142,17 @@ impl<'a> Pad<'a> {
         let rise = normal_w.dot(&axis_w);
         let free_w = motion.point_position_w(&self.centre_b);
         // (T.30) The pad stays on the ground: its stroke is geometry.
-        let stroke_m = (self.radius_m - self.footing.clearance_m(&free_w)) / rise;
+        let clearance_m = self.footing.clearance_m(&free_w);
+        let sinkage_m = self.bed.depth_m(self.start_clearance_m - clearance_m);
+        let stroke_m = (self.radius_m - sinkage_m - clearance_m) / rise;
         if rise < FLAT || (!self.standing && stroke_m <= self.start.stroke_m) {
             return None;
         }
         let point_w = free_w + axis_w * stroke_m - normal_w * self.radius_m;
         let point_b = motion.attitude_wb.inverse_transform_vector(&(point_w - motion.position_w));
         let body_w = motion.point_velocity_w(&point_b);
-        let stroke_rate_m_s = -body_w.dot(&normal_w) / rise;
+        // What the soil takes of the way down the strut does not.
+        let stroke_rate_m_s = -body_w.dot(&normal_w) / rise * (1.0 - self.bed.share);
         let load_n = self.axial_n(stroke_m, stroke_rate_m_s);
         if load_n <= 0.0 {
             return None;
@@ -149,7 +176,16 @@ impl<'a> Pad<'a> {
             (normal_n, direction_w * (friction * normal_n))
         };
         let ground_w = normal_w * normal_n + friction_w;
-        Some(PadForce { ground_w, point_b, stroke_m, stroke_rate_m_s, load_n, slip_w, normal_n })
+        Some(PadForce {
+            ground_w,
+            point_b,
+            stroke_m,
+            stroke_rate_m_s,
+            sinkage_m,
+            load_n,
+            slip_w,
+            normal_n,
+        })
     }
 
     /// State of leg and grip after a step that ended in `motion`.
@@ -165,7 +201,11 @@ impl<'a> Pad<'a> {
             };
             let crushed_m = self.start.crushed_m;
             let stroke_m = crushed_m + (self.start.stroke_m - crushed_m) * decay;
-            return LegState { stroke_m, crushed_m, ..LegState::default() };
+            // A pad clear of its hole comes down on fresh soil.
+            let pad_b = self.centre_b + self.leg.stroke_axis_b * stroke_m;
+            let clear = self.footing.clearance_m(&motion.point_position_w(&pad_b)) > self.radius_m;
+            let sinkage_m = if clear { 0.0 } else { self.bed.sinkage_m };
+            return LegState { stroke_m, crushed_m, sinkage_m, ..LegState::default() };
         };
         // (T.34) Friction holds no more than this; the rest was a slide.
         let most_m = site.pad_friction() * force.normal_n / self.grip_n_m;
@@ -176,7 +216,7 @@ impl<'a> Pad<'a> {
             crushed_m: crushed_after(strut, self.cap_n(), self.start.crushed_m, force.stroke_m),
             load_n: force.load_n,
             ground_force_w: force.ground_w,
-            sinkage_m: 0.0,
+            sinkage_m: force.sinkage_m,
         }
     }
 
