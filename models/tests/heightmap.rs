@@ -242,7 +242,7 @@ fn missing_samples_count_only_where_they_are_used() {
 #[test]
 fn a_map_that_does_not_reach_is_refused() {
     let file = Map::new().floats("reach");
-    for extent in ["56.0", "1e300"] {
+    for extent in ["56.0", "1e15"] {
         let wide = format!("extent = {{ value = {extent}, unit = \"m\" }}");
         let error = load(&file, &wide).unwrap_err();
         for part in ["easting", "from -75.000 to 75.000 m", "must reach"] {
