@@ -57,11 +57,12 @@ def about_origin(mass, com, own):
 
 
 DRY = about_origin(number("mass", "dry_mass"), number("mass", "dry_com_b"), DRY_INERTIA)
-PER_KG = about_origin(
+PER_KG_AT_COM = (
     1.0,
     number("mass", "propellant_com_b"),
     np.diag(number("mass", "propellant_gyration_radius_b") ** 2),
 )
+PER_KG = about_origin(*PER_KG_AT_COM)
 """Of propellant: its place and radii of gyration stay, so that everything about O is linear in it."""
 
 
@@ -93,18 +94,17 @@ def rest_properties(propellant_kg: float):
     return about_centre(*(dry + propellant_kg * kg for dry, kg in zip(DRY, REST_PER_KG)))
 
 
-def jet(propellant_kg, flow, gimbal_direction, rate):
-    """Coriolis force and jet damping torque about the centre of mass, its inertia's slope by a
-    difference."""
-    h = 1e-3
-    (_, _, j0), (_, _, j1) = (mass_properties(propellant_kg + d) for d in (-h, h))
-    moment_rate = -flow * PER_KG[1]
-    inertia_rate = -flow * (j1 - j0) / (2.0 * h)
+def jet(com, flow, gimbal_direction, rate):
+    """Coriolis force and jet damping torque about the centre of mass."""
+    _, place, own = PER_KG_AT_COM
+    apart = place - com
+    # To first order what leaves takes its own inertia and that of its place.
+    inertia_rate = -flow * (own + apart @ apart * EYE - np.outer(apart, apart))
     radius = number("engine", "nozzle_exit_radius")
     exit_point = PIVOT - gimbal_direction * (PIVOT[2] - number("engine", "nozzle_exit_height"))
-    arm = exit_point - mass_properties(propellant_kg)[1]
+    arm = exit_point - com
     disc = radius**2 * np.array([0.25, 0.25, 0.5])
-    force = -2.0 * cross(rate, moment_rate + flow * exit_point)
+    force = -2.0 * flow * cross(rate, exit_point - place)
     torque = -inertia_rate @ rate - flow * (cross(arm, cross(rate, arm)) + disc * rate)
     return force, torque
 
@@ -178,7 +178,7 @@ def derivative(x, thrust_command, gimbal_command, rcs_torque_b):
     direction = np.array([sin_y * cos_x, -sin_x, cos_y * cos_x])
     engine_flow = thrust / (number("engine", "specific_impulse") * G0)
     com = mass_properties(propellant)[1]
-    jet_force, jet_torque = jet(propellant, engine_flow, direction, rate)
+    jet_force, jet_torque = jet(com, engine_flow, direction, rate)
     force = thrust * direction + jet_force
     torque = cross(PIVOT - com, thrust * direction) + jet_torque + rcs_torque_b
     origin, angular, bobs = accelerations(x, force, torque, com)
