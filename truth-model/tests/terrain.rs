@@ -54,7 +54,7 @@ fn a_finely_meshed_plane_is_the_plane() {
         unit: "m",
         bound: Bound::AtMost(MESH_M),
         origin: "last bit of an elevation of 1000 m, 1.1e-13 m, in sums of sixteen",
-        noise: 1e-13,
+        noise: MESH_M,
     }
     .holds_for(clearances_m);
     Claim {
@@ -65,7 +65,7 @@ fn a_finely_meshed_plane_is_the_plane() {
         unit: "",
         bound: Bound::AtMost(MESH_NORMAL),
         origin: "the same over a cell of 0.1 m",
-        noise: 1e-12,
+        noise: MESH_NORMAL,
     }
     .holds_for(normals);
 }
