@@ -3,6 +3,7 @@
 
 mod common;
 
+use claims::{Bound, Claim};
 use common::{Setup, bug, on_plane, run};
 use lander_models::Ticks;
 use lander_models::scenario::*;
@@ -58,7 +59,17 @@ fn engine_shutoff_ends_thrust_by_its_tail_off_for_good() {
     // The tail-off's impulse is T tau: as much propellant.
     let used = used_kg(&model, &mut state, 0.25);
     let decayed = (-0.25 / LAG_S).exp();
-    close(thrust_n(&state), THRUST_N * decayed, SETTLED * THRUST_N);
+    Claim {
+        id: "fault-shutoff",
+        section: "Faults",
+        claim: "engine shut-off: thrust 0.25 s after it, relative",
+        reference: "T exp(−t/τ)",
+        unit: "",
+        bound: Bound::AtMost(SETTLED),
+        origin: "twenty lags before the onset leave exp(-20) of the start transient",
+        noise: 3e-9,
+    }
+    .holds(thrust_n(&state) / THRUST_N - decayed);
     let impulse = THRUST_N * LAG_S * (1.0 - decayed);
     // Fourth order on h/tau = 0.01 leaves 1e-11; the start transient SETTLED.
     close(used, impulse / (225.0 * G0_M_S2), 2.0 * SETTLED);
@@ -71,8 +82,20 @@ fn thrust_degradation_takes_its_share_of_thrust_and_flow() {
     let thrust_degradation = Some(ThrustDegradation { onset: ONSET, fraction: 0.3 });
     let (model, mut state) = at_onset(Faults { thrust_degradation, ..Faults::default() });
     let used = used_kg(&model, &mut state, 1.0);
-    close(thrust_n(&state), 0.7 * THRUST_N, SETTLED * THRUST_N);
-    close(used, 0.7 * THRUST_N / (225.0 * G0_M_S2), SETTLED);
+    Claim {
+        id: "fault-degradation",
+        section: "Faults",
+        claim: "thrust degraded by 30 %: thrust and flow, relative",
+        reference: "0.7 T and 0.7 T/(I_sp g0)",
+        unit: "",
+        bound: Bound::AtMost(SETTLED),
+        origin: "twenty lags before the onset leave exp(-20) of the start transient",
+        noise: 3e-9,
+    }
+    .holds_for([
+        thrust_n(&state) / (0.7 * THRUST_N) - 1.0,
+        used / (0.7 * THRUST_N / (225.0 * G0_M_S2)) - 1.0,
+    ]);
 }
 
 #[test]
@@ -85,14 +108,24 @@ fn a_power_brownout_stops_engine_thrusters_and_gimbal_until_power_is_back() {
     state.command.gimbal_rad = Vector2::new(0.05, 0.0);
     state.command.rcs_torque_b.z = 35.0;
     run(&model, &mut state, 0.5);
-    close(thrust_n(&state), THRUST_N * (-0.5 / LAG_S).exp(), SETTLED * THRUST_N);
+    let dark = thrust_n(&state) / THRUST_N - (-0.5 / LAG_S).exp();
     assert_eq!((state.motion.gimbal_rad, state.drive.rcs_torque_b.z), (Vector2::zeros(), 0.0));
     // Power is back: the engine needs its ignition again.
     run(&model, &mut state, 0.1);
-    close(thrust_n(&state), THRUST_N * (-0.6 / LAG_S).exp(), SETTLED * THRUST_N);
+    let igniting = thrust_n(&state) / THRUST_N - (-0.6 / LAG_S).exp();
     assert!(state.motion.gimbal_rad.x > 0.0 && state.drive.rcs_torque_b.z == 35.0);
     run(&model, &mut state, 3.0);
-    close(thrust_n(&state), THRUST_N, SETTLED * THRUST_N);
+    Claim {
+        id: "fault-brownout",
+        section: "Faults",
+        claim: "brown-out of 0.5 s: thrust in it, during ignition and after, relative",
+        reference: "T exp(−t/τ), the ignition's delay, T",
+        unit: "",
+        bound: Bound::AtMost(SETTLED),
+        origin: "twenty lags before the onset leave exp(-20) of the start transient",
+        noise: 3e-9,
+    }
+    .holds_for([dark, igniting, thrust_n(&state) / THRUST_N - 1.0]);
 }
 
 #[test]
@@ -116,8 +149,17 @@ fn a_stuck_pair_gives_its_torque_whatever_is_asked() {
     close(used, 35.0 / (1.13 * 160.0 * G0_M_S2), 1e-10); // 1000 sums near 85 kg
     let gained = state.motion.rate_b.z - before.rate_b.z;
     let inertia_kg_m2 = model.vehicle().mass.at(state.motion.propellant_kg).inertia_b[(2, 2)];
-    // The tensor changes by 2e-5 in this second, and couples axes by a 2e-3 of it.
-    close(gained * inertia_kg_m2 / -35.0, 1.0, 2e-3);
+    Claim {
+        id: "fault-rcs-stuck",
+        section: "Faults",
+        claim: "thruster pair stuck for 1 s: angular momentum gained, relative",
+        reference: "τ t, 35 N m s",
+        unit: "",
+        bound: Bound::AtMost(2e-3),
+        origin: "the tensor's products couple the axes by so much",
+        noise: 1e-5,
+    }
+    .holds(gained * inertia_kg_m2 / -35.0 - 1.0);
     // The opposite pair, fired in full, cancels it at twice the flow.
     state.command.rcs_torque_b.z = 35.0;
     run(&model, &mut state, 1.0);
@@ -135,10 +177,28 @@ fn a_leak_takes_propellant_and_leaves_the_motion_alone() {
             setup.scenario.initial.velocity_w = Vector3::new(3.0, -2.0, 1.0);
         });
     let before = state.motion;
-    close(used_kg(&model, &mut state, 10.0), 4.0, 1e-10); // 10^4 sums near 85 kg
-    // Acceptance of the plant: unchanged to 1e-12.
-    assert!((state.motion.velocity_w - before.velocity_w).norm() < 1e-12);
-    assert!(state.motion.rate_b.norm() < 1e-12);
+    Claim {
+        id: "fault-leak",
+        section: "Faults",
+        claim: "propellant that a leak of 0.4 kg/s loses in 10 s",
+        reference: "4 kg",
+        unit: "kg",
+        bound: Bound::AtMost(1e-10),
+        origin: "10⁴ sums near 85 kg",
+        noise: 1e-10,
+    }
+    .holds(used_kg(&model, &mut state, 10.0) - 4.0);
+    Claim {
+        id: "fault-leak-motion",
+        section: "Faults",
+        claim: "change of velocity and rate by the same leak",
+        reference: "none",
+        unit: "m/s, rad/s",
+        bound: Bound::AtMost(1e-12),
+        origin: "acceptance list",
+        noise: 1e-13,
+    }
+    .holds_for([(state.motion.velocity_w - before.velocity_w).norm(), state.motion.rate_b.norm()]);
     run(&model, &mut state, 300.0);
     assert_eq!(state.motion.propellant_kg, 0.0);
 }
@@ -162,11 +222,23 @@ fn a_seized_gimbal_holds_its_angles() {
     run(&model, &mut state, 0.05);
     let held_rad = state.motion.gimbal_rad;
     run(&model, &mut state, 1.0);
-    assert!(held_rad.x > 0.01 && state.motion.gimbal_rad == held_rad);
+    assert!(held_rad.x > 0.01);
+    Claim {
+        id: "fault-gimbal",
+        section: "Faults",
+        claim: "gimbal that seizes while it moves: turn in the second after",
+        reference: "none",
+        unit: "rad",
+        bound: Bound::AtMost(0.0),
+        origin: "the angle is held bit for bit",
+        noise: 0.0,
+    }
+    .holds((state.motion.gimbal_rad - held_rad).norm());
 }
 
 #[test]
 fn a_computer_reset_zeroes_or_holds_the_commands_for_its_duration() {
+    let mut errors = Vec::new();
     for commands in [ResetCommands::Zero, ResetCommands::Held] {
         let computer_reset = Some(ComputerReset { onset: ONSET, duration: Ticks(300), commands });
         let (model, mut state) = at_onset(Faults { computer_reset, ..Faults::default() });
@@ -174,10 +246,22 @@ fn a_computer_reset_zeroes_or_holds_the_commands_for_its_duration() {
         run(&model, &mut state, 0.3);
         let target_n = if commands == ResetCommands::Held { THRUST_N } else { 0.0 };
         let expected_n = target_n + (THRUST_N - target_n) * (-0.3 / LAG_S).exp();
-        close(thrust_n(&state), expected_n, SETTLED * THRUST_N);
+        errors.push((thrust_n(&state) - expected_n) / THRUST_N);
         run(&model, &mut state, 3.0);
-        close(thrust_n(&state), 5000.0, SETTLED * 5000.0);
+        errors.push(thrust_n(&state) / 5000.0 - 1.0);
     }
+    Claim {
+        id: "fault-reset",
+        section: "Faults",
+        claim: "computer reset of 0.3 s, commands zero or held: thrust at its end and after, \
+            relative",
+        reference: "T exp(−t/τ) or T, then the new command",
+        unit: "",
+        bound: Bound::AtMost(SETTLED),
+        origin: "twenty lags before the onset leave exp(-20) of the start transient",
+        noise: 3e-9,
+    }
+    .holds_for(errors);
 }
 
 #[test]
@@ -198,7 +282,17 @@ fn nozzle_erosion_lowers_thrust_and_isp_at_the_same_flow_and_turns_the_thrust() 
     let coefficient = |ratio: f64| vacuum_thrust_coefficient(ratio, 1.2);
     let factor = coefficient(30.0 / (1.0 + 0.02 * 9.999)) / coefficient(30.0);
     assert!((0.95..0.999).contains(&factor), "a fifth more throat takes {factor}");
-    close(thrust_n(&state), THRUST_N * factor, SETTLED * THRUST_N);
+    Claim {
+        id: "fault-erosion",
+        section: "Faults",
+        claim: "nozzle erosion, a fifth more throat: thrust, relative",
+        reference: "C_F of the ideal nozzle, (T.72) to (T.74)",
+        unit: "",
+        bound: Bound::AtMost(SETTLED),
+        origin: "twenty lags before the onset leave exp(-20) of the start transient",
+        noise: 3e-9,
+    }
+    .holds(thrust_n(&state) / (THRUST_N * factor) - 1.0);
     close(used / 10.0, THRUST_N / (225.0 * G0_M_S2), SETTLED);
     let flow_kg_s = state.drive.engine_flow_kg_s(model.vehicle(), &state.motion);
     close(thrust_n(&state) / (flow_kg_s * G0_M_S2), 225.0 * factor, 225.0 * 1e-14);
@@ -235,6 +329,16 @@ fn all_ten_modes_can_happen_in_one_run_and_are_counted() {
         assert_eq!(model.scenario().faults.active(state.now), count);
         run(&model, &mut state, 1.0);
     }
-    assert_eq!(model.scenario().faults.active(state.now), 10);
+    Claim {
+        id: "fault-modes",
+        section: "Faults",
+        claim: "failure modes past their onset, all in one run, the motion finite",
+        reference: "ten modes",
+        unit: "",
+        bound: Bound::AtLeast(10.0),
+        origin: "acceptance list",
+        noise: 0.0,
+    }
+    .holds(f64::from(model.scenario().faults.active(state.now) as u32));
     assert!(state.motion.is_finite());
 }

@@ -4,6 +4,7 @@
 
 mod common;
 
+use claims::{Bound, Claim};
 use common::{Setup, on_plane, symmetric_bug};
 use lander_models::component::Component;
 use lander_models::frames::tilt_rad;
@@ -136,8 +137,17 @@ fn imu_off_the_axis_of_a_spin_feels_the_centripetal_force() {
     // The mean over 10 ms is the chord of the velocity's turn: sin(x)/x of ω² r, x = ω 5 ms.
     let x: f64 = rate_rad_s * 0.005;
     let force = rate_rad_s.powi(2) * lever_m * x.sin() / x;
-    // Differences of velocities near 1 m/s, over 10 ms: 1e-16/1e-2, some tens of roundings.
-    assert!((imu.specific_force_b - Vector3::new(0.0, -force, 0.0)).norm() < 1e-12);
+    Claim {
+        id: "imu-lever",
+        section: "Sensors",
+        claim: "specific force of an IMU 0.4 m off the axis of a spin",
+        reference: "ω² r sin(ωT/2)/(ωT/2)",
+        unit: "m/s²",
+        bound: Bound::AtMost(1e-12),
+        origin: "differences of 1 m/s over 10 ms: 1e-14, some tens of roundings",
+        noise: 1e-12,
+    }
+    .holds((imu.specific_force_b - Vector3::new(0.0, -force, 0.0)).norm());
     assert!((imu.rate_b - Vector3::z() * rate_rad_s).norm() < 1e-12);
 }
 
@@ -172,10 +182,29 @@ fn strapdown_integration_of_the_imu_is_exact() {
         attitude_wb = attitude_wb * half * half;
     }
     assert!(state.motion.rate_b.norm() > 0.3, "it should have spun up");
-    // 500 roundings of 1e-14 m/s and of 1e-16 in the quaternion.
-    assert!((velocity_w - state.motion.point_velocity_w(&mount_b)).norm() < 1e-11);
+    Claim {
+        id: "strapdown-velocity",
+        section: "Sensors",
+        claim: "velocity integrated from the perfect IMU over 5 s of tumbling under thrust",
+        reference: "the vehicle's own",
+        unit: "m/s",
+        bound: Bound::AtMost(1e-11),
+        origin: "500 roundings of 1e-14 m/s",
+        noise: 1e-12,
+    }
+    .holds((velocity_w - state.motion.point_velocity_w(&mount_b)).norm());
     let left_b = (attitude_wb.inverse() * state.motion.attitude_wb).scaled_axis();
-    assert!(left_b.norm() < 1e-12, "attitude off by {} rad", left_b.norm());
+    Claim {
+        id: "strapdown-attitude",
+        section: "Sensors",
+        claim: "attitude of the same",
+        reference: "the vehicle's own",
+        unit: "rad",
+        bound: Bound::AtMost(1e-12),
+        origin: "500 roundings of 1e-16 in the quaternion, with room",
+        noise: 1e-13,
+    }
+    .holds(left_b.norm());
 }
 
 #[test]
@@ -280,6 +309,7 @@ fn angle_random_walk_falls_as_white_noise_in_the_allan_deviation() {
     let setup = gyro(TriadSpec { random_walk, bias: 1e-4, ..TriadSpec::default() });
     let readings = series(&setup.model(), 10, 40_000);
     let rates: Vec<f64> = readings.iter().map(|r| r.imu.value.rate_b.x).collect();
+    let mut off = Vec::new();
     for cluster in [1, 10, 100] {
         let means: Vec<f64> = rates.chunks_exact(cluster).map(mean).collect();
         // Allan variance: half the mean square of successive differences; N²/τ for white noise
@@ -288,9 +318,19 @@ fn angle_random_walk_falls_as_white_noise_in_the_allan_deviation() {
             / (means.len() - 1) as f64;
         let expected = random_walk * random_walk / (0.01 * cluster as f64);
         // Relative standard error of this estimator for white noise: sqrt(3/(n - 1)).
-        let bound = 5.0 * (3.0 / (means.len() - 1) as f64).sqrt();
-        assert!((allan / expected - 1.0).abs() < bound, "clusters of {cluster}: {allan}");
+        off.push((allan / expected - 1.0) / (3.0 / (means.len() - 1) as f64).sqrt());
     }
+    Claim {
+        id: "gyro-allan",
+        section: "Sensors",
+        claim: "Allan variance of the gyro over 0.01, 0.1 and 1 s, in standard errors",
+        reference: "N²/τ of white noise (IEEE Std 952)",
+        unit: "",
+        bound: Bound::AtMost(5.0),
+        origin: "five standard errors: one seed in a million",
+        noise: 0.0,
+    }
+    .holds_for(off);
     // Integrated, the walk's deviation grows with the root of time: 1 s windows, bias removed.
     let bias = mean(&rates);
     let walks: Vec<f64> =
@@ -309,12 +349,22 @@ fn bias_instability_is_a_stationary_gauss_markov_process() {
         mean(&products) / (drift * drift)
     };
     // 400 s hold 400/(2 · 0.2) independent stretches: a correlation errs by at most sqrt(2/1000).
-    let bound = 5.0 * (2.0_f64 / 1000.0).sqrt();
-    for lag in [0, 10, 20, 100] {
+    let error = (2.0_f64 / 1000.0).sqrt();
+    let off = [0, 10, 20, 100].map(|lag| {
         let expected = (-0.01 * lag as f64 / drift_time_s).exp();
-        let found = correlation(lag);
-        assert!((found - expected).abs() < bound, "lag {lag}: {found}, expected {expected}");
+        (correlation(lag) - expected) / error
+    });
+    Claim {
+        id: "gyro-drift",
+        section: "Sensors",
+        claim: "autocorrelation of the gyro's drift at 0 to 1 s, in standard errors",
+        reference: "exp(−t/τ) of a Gauss-Markov process",
+        unit: "",
+        bound: Bound::AtMost(5.0),
+        origin: "five standard errors of 1,000 independent stretches",
+        noise: 0.0,
     }
+    .holds_for(off);
     // Stationary from the first sample on.
     let first = ensemble(&setup, 10, 1000);
     let first: Vec<f64> = first.iter().map(|r| r.imu.value.rate_b.z).collect();

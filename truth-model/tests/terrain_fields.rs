@@ -5,6 +5,7 @@ mod common;
 
 use std::f64::consts::PI;
 
+use claims::{Bound, Claim};
 use common::relief::{cratered, level, place};
 use common::{bug, on_plane};
 use lander_models::scenario::{RockLaw, Rocks, Soil, Terrain};
@@ -23,11 +24,25 @@ fn strewn() -> Ground {
     Ground::new(&Terrain { rocks: Some(rocks), ..cratered() })
 }
 
-/// Five standard deviations of a Poisson count: one field in two million strays farther.
+/// By how many standard deviations of a Poisson count a field strays.
+fn astray(found: usize, expected: f64) -> f64 {
+    (found as f64 - expected) / expected.sqrt()
+}
+
+/// Counts stay within five deviations: one field in two million strays farther.
 #[track_caller]
-fn counts(found: usize, expected: f64) {
-    let off = (found as f64 - expected).abs();
-    assert!(off < 5.0 * expected.sqrt(), "{found} drawn, {expected} expected");
+fn count_claim(id: &str, claim: &str, reference: &str, off: impl IntoIterator<Item = f64>) {
+    Claim {
+        id,
+        section: "Terrain",
+        claim,
+        reference,
+        unit: "σ",
+        bound: Bound::AtMost(5.0),
+        origin: "one field in two million strays farther",
+        noise: 0.0,
+    }
+    .holds_for(off);
 }
 
 /// Kolmogorov's distance between diameters and the part of a law below each, at the 0.1 % level.
@@ -49,9 +64,9 @@ fn craters_follow_trask() {
     let widths_m: Vec<_> = ground.craters().iter().map(|crater| 2.0 * crater.radius_m).collect();
     // 10^10.9 D^-2 per 10^6 km² (Trask 1966), D in m, on a disc 200 m in radius.
     let wider = |d_m: f64| 10_f64.powf(10.9) / 1e12 * (d_m.powi(-2) - 1e-4) * PI * 200.0 * 200.0;
-    for least_m in [4.0, 8.0, 20.0] {
-        counts(widths_m.iter().filter(|d_m| **d_m > least_m).count(), wider(least_m));
-    }
+    let count = |least_m| widths_m.iter().filter(|d_m| **d_m > least_m).count();
+    let off = [4.0, 8.0, 20.0].map(|least_m| astray(count(least_m), wider(least_m)));
+    count_claim("craters-trask", "craters wider than 4, 8 and 20 m", "Trask 1966", off);
     follows(widths_m, |d_m| 1.0 - wider(d_m) / wider(4.0));
 }
 
@@ -70,10 +85,13 @@ fn rocks_cover_the_area_that_golombek_s_law_says() {
     // Counts wider than D on the disc, from the law's integral by SciPy 1.x: quad and expn agree to
     // twelve digits.
     let total = 16_972.004_836_744;
-    for (least_m, part) in [(0.2, 1.0), (0.3, 0.334677136785744), (0.5, 0.056447823842289)] {
+    let shares = [(0.2, 1.0), (0.3, 0.334677136785744), (0.5, 0.056447823842289)];
+    let off = shares.map(|(least_m, part)| {
         let found = ground.rocks().iter().filter(|rock| 2.0 * rock.radius_m > least_m).count();
-        counts(found, total * part);
-    }
+        astray(found, total * part)
+    });
+    let law = "Golombek and Rapp 1997, integrated by SciPy";
+    count_claim("rocks-golombek", "rocks wider than 0.2, 0.3 and 0.5 m", law, off);
     let q = 1.79 + 0.152 / ABUNDANCE;
     let covered = |d_m: f64| ABUNDANCE * (-q * d_m).exp();
     let area_m2: f64 = ground.rocks().iter().map(|rock| PI * rock.radius_m.powi(2)).sum();
@@ -89,7 +107,8 @@ fn rocks_follow_a_power_law_where_asked() {
     let law = RockLaw::Power { density_at_1m_m2: 0.0003, exponent: 2.482 };
     let ground = Ground::new(&Terrain { rocks: Some(rocks(law)), ..level() });
     let wider = |d_m: f64| 0.0003 * (d_m.powf(-2.482) - 3_f64.powf(-2.482)) * PI * 150.0 * 150.0;
-    counts(ground.rocks().len(), wider(0.2));
+    let off = [astray(ground.rocks().len(), wider(0.2))];
+    count_claim("rocks-power", "rocks of a power law, wider than 0.2 m", "VIPER-MSE-SPEC-001", off);
     let widths_m = ground.rocks().iter().map(|rock| 2.0 * rock.radius_m).collect();
     follows(widths_m, |d_m| 1.0 - wider(d_m) / wider(0.2));
 }

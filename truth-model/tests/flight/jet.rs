@@ -1,5 +1,6 @@
 //! Jet damping and Coriolis force against closed forms and against the balance of momentum.
 
+use claims::{Bound, Claim};
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Matrix3, Vector3};
 use truth_model::flight::Motion;
@@ -33,8 +34,17 @@ fn a_rolling_rocket_speeds_up_as_propellant_leaves_through_the_axis() {
     let gyration_m2 = vehicle.mass.propellant.gyration_radius_b.z.powi(2);
     let expected = inertia_ratio.powf(-(1.0 - 2.0 * nozzle(&vehicle).0 / gyration_m2));
     assert!(expected > 1.05, "the burn changes the spin by {expected} only");
-    // 60,000 roundings of 1e-16, and the fourth-order step's 1e-13.
-    assert!((rate_ratio / expected - 1.0).abs() < 1e-9, "{rate_ratio} is not {expected}");
+    Claim {
+        id: "jet-roll",
+        section: "Flight: jet",
+        claim: "roll rate after a minute's burn, relative",
+        reference: "power law of (T.51) about the jet's axis",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "60,000 roundings of 1e-16 and the step's 1e-13, with room",
+        noise: 1e-12,
+    }
+    .holds(rate_ratio / expected - 1.0);
 }
 
 #[test]
@@ -49,7 +59,17 @@ fn a_pitching_rocket_slows_down_as_its_jet_carries_spin_away() {
     let lever_m2 = (vehicle.mass.dry.com_b.z - exit_m).powi(2);
     let expected = inertia_ratio.powf((lever_m2 + disc_m2 - gyration_m2) / gyration_m2);
     assert!(expected < 0.8, "the burn leaves {expected} of the rate");
-    assert!((rate_ratio / expected - 1.0).abs() < 1e-9, "{rate_ratio} is not {expected}");
+    Claim {
+        id: "jet-damping",
+        section: "Flight: jet",
+        claim: "pitch rate after a minute's burn, relative",
+        reference: "power law of (T.51): jet damping",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "60,000 roundings of 1e-16 and the step's 1e-13, with room",
+        noise: 1e-12,
+    }
+    .holds(rate_ratio / expected - 1.0);
 }
 
 /// Momentum and angular momentum about the world's origin of all that is inside the vehicle, the
@@ -90,8 +110,27 @@ fn momentum_inside_changes_by_thrust_and_by_what_the_exhaust_takes_along() {
     let torque_w = exit_w.cross(&force_w) - now.attitude_wb * disc_b * flow_kg_s;
     // A central difference errs by h²/6 of the third derivative: 2e-7 of terms that turn at about
     // 1 rad/s, up to 6e3 N m.
-    assert!(((p1 - p0) / (2.0 * step_s) - force_w).norm() < 2e-3);
+    Claim {
+        id: "jet-force",
+        section: "Flight: jet",
+        claim: "force that the momentum of a turning vehicle's contents grows by",
+        reference: "thrust less what the exhaust takes along: no Coriolis term",
+        unit: "N",
+        bound: Bound::AtMost(2e-3),
+        origin: "central difference over 1 ms",
+        noise: 1e-6,
+    }
+    .holds(((p1 - p0) / (2.0 * step_s) - force_w).norm());
     let torque_error = ((h1 - h0) / (2.0 * step_s) - torque_w).norm();
-    // A hundredth of the damping, which is flow × lever² × rate: 0.8 N m.
-    assert!(torque_error < 8e-3, "{torque_error} N m");
+    Claim {
+        id: "jet-torque",
+        section: "Flight: jet",
+        claim: "torque that their angular momentum grows by",
+        reference: "torque of the same",
+        unit: "N m",
+        bound: Bound::AtMost(8e-3),
+        origin: "a hundredth of the damping, flow × lever² × rate",
+        noise: 1e-6,
+    }
+    .holds(torque_error);
 }

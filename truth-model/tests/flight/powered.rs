@@ -1,5 +1,6 @@
 //! Powered flight: the rocket equation, constant thrust, order of the step, mass that only goes.
 
+use claims::{Bound, Claim};
 use lander_models::vehicle::{G0_M_S2, Vehicle};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use truth_model::flight::{Motion, advance, free};
@@ -16,10 +17,29 @@ fn the_rocket_equation_holds_over_a_long_burn() {
     let end = fly(&vehicle, &start, &drive, 0.0, 1e-3, 30_000);
     let (m0, m1) = (vehicle.mass.wet_mass_kg(), vehicle.mass.dry.mass_kg + end.propellant_kg);
     let burnt_kg = thrust_n / (225.0 * G0_M_S2) * 30.0;
-    // The acceptance list's bound; 30,000 roundings leave about 1e-12.
-    assert!((m0 - m1 - burnt_kg).abs() < 1e-9 * burnt_kg);
+    Claim {
+        id: "burnt-propellant",
+        section: "Flight",
+        claim: "propellant of a burn of 30 s at 3 kN, relative",
+        reference: "T t/(I_sp g0)",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list",
+        noise: 1e-11,
+    }
+    .holds((m0 - m1) / burnt_kg - 1.0);
     let expected_m_s = 225.0 * G0_M_S2 * (m0 / m1).ln();
-    assert!((end.velocity_w.z / expected_m_s - 1.0).abs() < 1e-9, "{}", end.velocity_w.z);
+    Claim {
+        id: "rocket-equation",
+        section: "Flight",
+        claim: "speed gained in the same burn, relative",
+        reference: "Tsiolkovsky's rocket equation",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list",
+        noise: 1e-11,
+    }
+    .holds(end.velocity_w.z / expected_m_s - 1.0);
 }
 
 #[test]
@@ -39,8 +59,17 @@ fn sixty_seconds_of_constant_thrust_end_where_the_closed_form_says() {
         start.position_w + start.velocity_w * time_s + start.attitude_wb * (Vector3::z() * along_m)
             - Vector3::z() * (0.5 * GRAVITY_M_S2 * time_s * time_s);
     let error_m = (end.position_w - expected_w).norm();
-    // The acceptance list's bound; 60,000 roundings near 1e4 m (2e-12 each) leave about 1e-8.
-    assert!(error_m < 1e-6, "{error_m} m");
+    Claim {
+        id: "constant-thrust",
+        section: "Flight",
+        claim: "position after 60 s at constant thrust",
+        reference: "rocket equation, integrated twice, and a parabola",
+        unit: "m",
+        bound: Bound::AtMost(1e-6),
+        origin: "acceptance list",
+        noise: 1e-8,
+    }
+    .holds(error_m);
 }
 
 #[test]
@@ -62,8 +91,17 @@ fn the_step_converges_at_fourth_order() {
     let reference = at(5e-4);
     let error = |step_s| (at(step_s).position_w - reference.position_w).norm();
     let order = (error(0.02) / error(0.01)).log2();
-    // Acceptance of the plant: at least 3.8.
-    assert!(order > 3.8, "observed order {order}");
+    Claim {
+        id: "flight-order",
+        section: "Flight",
+        claim: "order in which the error of position falls with the step, 20 to 10 ms",
+        reference: "4: classical Runge-Kutta",
+        unit: "",
+        bound: Bound::AtLeast(3.8),
+        origin: "acceptance list",
+        noise: 0.0,
+    }
+    .holds(order);
 }
 
 /// A second during which a quarter of the propellant goes, without any flow that pushes.
@@ -78,13 +116,36 @@ fn lose_propellant(vehicle: &Vehicle, start: &Motion) -> Motion {
 fn mass_that_goes_without_a_force_moves_and_turns_nothing() {
     let velocity_w = Vector3::new(3.0, -2.0, 1.0);
     // The centre of mass wanders sideways while the vehicle doesn't turn, then along the axis that
-    // it spins about. 1e-12: the acceptance list's bound, absolute, on metres and radians a second.
+    // it spins about.
+    let (mut velocities_m_s, mut rates_rad_s) = (Vec::new(), Vec::new());
     for (vehicle, rate_b) in [(bug(), Vector3::zeros()), (symmetric_bug(), Vector3::z() * 0.7)] {
         let start = Motion { velocity_w, rate_b, ..aloft(80.0) };
         let end = lose_propellant(&vehicle, &start);
         let shift_m = vehicle.mass.at(80.0).com_b - vehicle.mass.at(end.propellant_kg).com_b;
         assert!(shift_m.norm() > 0.01, "the centre of mass has moved by {shift_m} only");
-        assert!((end.velocity_w - velocity_w).norm() < 1e-12, "{}", end.velocity_w);
-        assert!((end.rate_b - rate_b).norm() < 1e-12, "{}", end.rate_b);
+        velocities_m_s.push((end.velocity_w - velocity_w).norm());
+        rates_rad_s.push((end.rate_b - rate_b).norm());
     }
+    Claim {
+        id: "mass-loss-velocity",
+        section: "Flight",
+        claim: "change of O's velocity while a quarter of the propellant goes without a force",
+        reference: "none",
+        unit: "m/s",
+        bound: Bound::AtMost(1e-12),
+        origin: "acceptance list",
+        noise: 1e-13,
+    }
+    .holds_for(velocities_m_s);
+    Claim {
+        id: "mass-loss-rate",
+        section: "Flight",
+        claim: "change of the angular rate in the same",
+        reference: "none",
+        unit: "rad/s",
+        bound: Bound::AtMost(1e-12),
+        origin: "acceptance list",
+        noise: 1e-13,
+    }
+    .holds_for(rates_rad_s);
 }

@@ -1,5 +1,6 @@
 //! Slosh: conservation, natural frequency, damping, limits, order of the step.
 
+use claims::{Bound, Claim};
 use lander_models::vehicle::{G0_M_S2, Slosh, Vehicle};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use truth_model::flight::Motion;
@@ -72,10 +73,31 @@ fn a_tumbling_vehicle_with_free_bobs_keeps_energy_and_momentum() {
     // The bobs went somewhere, or nothing was tested.
     let angle = |m: &Motion| m.slosh.as_slice()[0].direction_b;
     assert!((angle(&end) - angle(&start)).norm() > 0.1);
-    // As the acceptance list for a rigid body.
-    assert!((energy_1 / energy_0 - 1.0).abs() < 1e-9, "{}", energy_1 / energy_0 - 1.0);
-    assert!((momentum_1 - momentum_0).norm() / momentum_0.norm() < 1e-9);
-    assert!((angular_1 - angular_0).norm() / angular_0.norm() < 1e-9);
+    Claim {
+        id: "slosh-energy",
+        section: "Flight: slosh",
+        claim: "relative change of energy, body and undamped bobs tumbling for 60 s",
+        reference: "conservation of energy",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list, as for a rigid body",
+        noise: 1e-11,
+    }
+    .holds(energy_1 / energy_0 - 1.0);
+    Claim {
+        id: "slosh-momentum",
+        section: "Flight: slosh",
+        claim: "relative change of momentum and of angular momentum in the same",
+        reference: "conservation of both",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list, as for a rigid body",
+        noise: 1e-11,
+    }
+    .holds_for([
+        (momentum_1 - momentum_0).norm() / momentum_0.norm(),
+        (angular_1 - angular_0).norm() / angular_0.norm(),
+    ]);
 }
 
 /// Symmetric vehicle with one tank on its axis, and an engine that uses no propellant.
@@ -122,10 +144,17 @@ fn the_natural_frequency_is_that_of_body_and_pendulum_together() {
     let (first, last) = (crossings[0], crossings[crossings.len() - 1]);
     let measured_rad_s = std::f64::consts::PI * (crossings.len() - 1) as f64 / (last - first);
     assert!(coupling > 1.15, "the coupling of {coupling} would not show");
-    // The straight line between two samples misses a crossing by (ω h)²/24 of a step at most:
-    // 1e-8 s in 20 s. The angle's 6e-10 is less.
-    let error = measured_rad_s / omega_rad_s - 1.0;
-    assert!(error.abs() < 1e-8, "off by {error}");
+    Claim {
+        id: "slosh-frequency",
+        section: "Flight: slosh",
+        claim: "natural frequency of body and pendulum together, relative",
+        reference: "closed form (T.57)",
+        unit: "",
+        bound: Bound::AtMost(1e-8),
+        origin: "a crossing between two samples is missed by (ω h)²/24 of a step: 1e-8 s in 20 s",
+        noise: 0.0,
+    }
+    .holds(measured_rad_s / omega_rad_s - 1.0);
 }
 
 #[test]
@@ -140,8 +169,17 @@ fn the_drag_takes_what_its_damping_ratio_says() {
     let angles = swings(&vehicle, thrust_n, step_s, 10_000);
     let expected =
         1e-4 * (-std::f64::consts::TAU * 10.0 * ratio / (1.0 - ratio * ratio).sqrt()).exp();
-    // Ten swings later: (angle/4)² of the period, times ten swings, squared, is far below 1e-6.
-    assert!((angles[9_999] / expected - 1.0).abs() < 1e-6, "{} is not {expected}", angles[9_999]);
+    Claim {
+        id: "slosh-damping",
+        section: "Flight: slosh",
+        claim: "swing left after ten periods, relative",
+        reference: "damped oscillator of the file's ratio",
+        unit: "",
+        bound: Bound::AtMost(1e-6),
+        origin: "the swing's nonlinearity, (angle/4)² of the period, stays far below",
+        noise: 1e-9,
+    }
+    .holds(angles[9_999] / expected - 1.0);
 }
 
 fn gimballed(start: &Motion) -> (Motion, Drive) {
@@ -196,8 +234,17 @@ fn the_step_converges_at_fourth_order_with_slosh() {
         (end.position_w - reference.position_w).norm() + (bob(&end) - bob(&reference)).norm()
     };
     let order = (error(0.02) / error(0.01)).log2();
-    // Acceptance of the plant: at least 3.8.
-    assert!(order > 3.8, "observed order {order}");
+    Claim {
+        id: "slosh-order",
+        section: "Flight: slosh",
+        claim: "order in which the error falls with the step, 20 to 10 ms",
+        reference: "4: classical Runge-Kutta",
+        unit: "",
+        bound: Bound::AtLeast(3.8),
+        origin: "acceptance list",
+        noise: 0.0,
+    }
+    .holds(order);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Torque-free motion: what is conserved, and attitude against the classical solutions.
 
+use claims::{Bound, Claim};
 use nalgebra::{Rotation3, Vector3};
 use truth_model::flight::Motion;
 use truth_model::propulsion::Drive;
@@ -32,14 +33,42 @@ fn tumbling_keeps_energy_momentum_and_the_path_of_the_centre_of_mass() {
     let end = coast(&vehicle, &start);
     let mass = vehicle.mass.at(40.0);
     let energy = |m: &Motion| 0.5 * m.rate_b.dot(&(mass.inertia_b * m.rate_b));
-    // Origin: the acceptance list's 1e-9; fourth order at 1 ms leaves about 1e-13.
-    assert!((energy(&end) / energy(&start) - 1.0).abs() < 1e-9);
+    Claim {
+        id: "torque-free-energy",
+        section: "Flight",
+        claim: "relative change of energy in 60 s of tumbling, no axis principal",
+        reference: "conservation of energy",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list",
+        noise: 1e-12,
+    }
+    .holds(energy(&end) / energy(&start) - 1.0);
     let (spin_0_w, spin_1_w) = (spin_w(&vehicle, &start), spin_w(&vehicle, &end));
-    assert!((spin_1_w - spin_0_w).norm() / spin_0_w.norm() < 1e-9);
+    Claim {
+        id: "torque-free-momentum",
+        section: "Flight",
+        claim: "relative change of angular momentum in the same",
+        reference: "conservation of angular momentum",
+        unit: "",
+        bound: Bound::AtMost(1e-9),
+        origin: "acceptance list",
+        noise: 1e-12,
+    }
+    .holds((spin_1_w - spin_0_w).norm() / spin_0_w.norm());
     let com_w = |m: &Motion| m.point_position_w(&mass.com_b);
     let drift_w = com_w(&end) - com_w(&start) - start.point_velocity_w(&mass.com_b) * TIME_S;
-    // Metre-sized numbers, 60,000 roundings near 1e4 m (2e-12 each), adding at random.
-    assert!(drift_w.norm() < 1e-8, "centre of mass drifted by {} m", drift_w.norm());
+    Claim {
+        id: "torque-free-path",
+        section: "Flight",
+        claim: "drift of the centre of mass off its straight line in the same",
+        reference: "Newton's first law",
+        unit: "m",
+        bound: Bound::AtMost(1e-8),
+        origin: "60,000 roundings near 1e4 m (2e-12 m each) that add at random",
+        noise: 1e-9,
+    }
+    .holds(drift_w.norm());
 }
 
 /// Angle between two attitudes, degrees.
@@ -65,8 +94,17 @@ fn an_axisymmetric_body_precesses_as_the_closed_form_says() {
         * start.attitude_wb
         * UnitQuaternion::from_scaled_axis(spin_b);
     let error_deg = apart_deg(&end.attitude_wb, &expected);
-    // The acceptance list's bound.
-    assert!(error_deg < 1e-6, "{error_deg} deg");
+    Claim {
+        id: "torque-free-precession",
+        section: "Flight",
+        claim: "attitude of an axisymmetric body after 60 s without torque",
+        reference: "precession and spin in closed form",
+        unit: "°",
+        bound: Bound::AtMost(1e-6),
+        origin: "acceptance list",
+        noise: 1e-9,
+    }
+    .holds(error_deg);
 }
 
 /// Jacobi's sn, cn and dn for parameter `m` by descending Landen transformation (Abramowitz and
@@ -141,8 +179,27 @@ fn an_asymmetric_body_tumbles_as_jacobi_s_functions_say() {
         })
         .sum();
     let rate_b = euler_poinsot(j, [w1, w3], TIME_S);
-    // The acceptance list's 1e-6 deg, for rates as rad/s.
-    assert!((end.rate_b - rate_b).norm() < 1e-8, "{} is not {rate_b}", end.rate_b);
+    Claim {
+        id: "torque-free-rate",
+        section: "Flight",
+        claim: "rate of an asymmetric body after 60 s without torque",
+        reference: "Jacobi's elliptic functions (Landau and Lifshitz, § 37)",
+        unit: "rad/s",
+        bound: Bound::AtMost(1e-8),
+        origin: "acceptance list: its 1e-6°, as rad/s",
+        noise: 1e-11,
+    }
+    .holds((end.rate_b - rate_b).norm());
     let error_deg = apart_deg(&end.attitude_wb, &attitude(&rate_b, azimuth));
-    assert!(error_deg < 1e-6, "{error_deg} deg");
+    Claim {
+        id: "torque-free-attitude",
+        section: "Flight",
+        claim: "attitude of the same body",
+        reference: "Jacobi's elliptic functions, azimuth by quadrature",
+        unit: "°",
+        bound: Bound::AtMost(1e-6),
+        origin: "acceptance list",
+        noise: 1e-9,
+    }
+    .holds(error_deg);
 }

@@ -3,7 +3,7 @@
 //! One hull body and one small footpad body per leg on a prismatic joint along its stroke axis.
 //! The joint's motor is the strut: an implicit spring-damper towards the crushed length whose
 //! force is capped at the crush load, which makes it flow plastically (T.10). Settings and the
-//! reasons for them: README, "Contact engine".
+//! reasons for them: README, "Rapier engine".
 
 mod bodies;
 mod convert;
@@ -37,7 +37,7 @@ const GENTLE_M_S: f64 = 0.1;
 const STILL_M_S: f64 = 0.02;
 const STILL_TIME: Ticks = Ticks(600);
 
-/// How finely a tick is solved. Measured against the closed forms: README, "Contact engine".
+/// How finely a tick is solved. Measured against the closed forms: README, "Rapier engine".
 #[derive(Clone, Copy)]
 struct Pace {
     steps: u32,
