@@ -1,5 +1,5 @@
 //! Tip-over: energy and distance still lacking over each edge of the support polygon (T.14, T.15,
-//! T.20), and the closed forms they are held to (T.16, T.17).
+//! T.20), and the closed forms they are held to (T.16, T.17, T.24).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -95,10 +95,48 @@ pub fn captured_tip_speed_m_s(
     height_m: f64,
     gravity_m_s2: f64,
 ) -> f64 {
-    let radius_m = distance_m.hypot(height_m);
-    let inertia_about_edge = inertia_kg_m2 + mass_kg * radius_m * radius_m;
-    let barrier_j = mass_kg * gravity_m_s2 * (radius_m - height_m);
-    (2.0 * barrier_j * inertia_about_edge).sqrt() / (mass_kg * height_m)
+    let standing = Captured {
+        mass_kg,
+        inertia_kg_m2,
+        distance_m,
+        height_m,
+        pad_radius_m: 0.0,
+        slope_rad: 0.0,
+    };
+    standing.tip_speed_m_s(gravity_m_s2)
+}
+
+/// A vehicle that stands on a slope on captured pads, which are balls that roll.
+#[derive(Clone, Copy, Debug)]
+pub struct Captured {
+    pub mass_kg: f64,
+    /// About the axis through the centre of mass parallel to the edge.
+    pub inertia_kg_m2: f64,
+    /// From the centre of mass to the downhill edge, along the slope.
+    pub distance_m: f64,
+    /// Of the centre of mass above the slope, along its normal.
+    pub height_m: f64,
+    pub pad_radius_m: f64,
+    /// Falls across the edge.
+    pub slope_rad: f64,
+}
+
+impl Captured {
+    /// Speed parallel to the slope, downhill, at which the stop of the pads tips it over, m/s
+    /// (T.24). Not a number beyond the static tip angle.
+    pub fn tip_speed_m_s(&self, gravity_m_s2: f64) -> f64 {
+        let Self { mass_kg, distance_m, height_m, pad_radius_m, .. } = *self;
+        let inertia_about_edge =
+            self.inertia_kg_m2 + mass_kg * (distance_m.powi(2) + height_m.powi(2));
+        // From the balls' centres to the centre of mass, and its angle from the vertical.
+        let arm_m = distance_m.hypot(height_m - pad_radius_m);
+        let lean_rad = distance_m.atan2(height_m - pad_radius_m) - self.slope_rad;
+        // Above the point of contact, the arm leans by this much.
+        let top_rad = (pad_radius_m * self.slope_rad.sin() / arm_m).asin();
+        let rolled_m = pad_radius_m * (lean_rad - top_rad);
+        let climb_m = arm_m * (top_rad.cos() - lean_rad.cos()) - rolled_m * self.slope_rad.sin();
+        (2.0 * mass_kg * gravity_m_s2 * climb_m * inertia_about_edge).sqrt() / (mass_kg * height_m)
+    }
 }
 
 #[cfg(test)]
@@ -137,6 +175,52 @@ mod tests {
         assert!((edge_m_s - 2.012).abs() < 5e-4, "{edge_m_s}");
         let foot_m_s = captured_tip_speed_m_s(DRY_KG, 126.1, 1.885, 1.38, 1.625);
         assert!((foot_m_s - 3.176).abs() < 1e-3, "{foot_m_s}");
+    }
+
+    /// On pads that are points, 12° downhill.
+    const DOWNHILL: Captured = Captured {
+        mass_kg: DRY_KG,
+        inertia_kg_m2: 126.1,
+        distance_m: EDGE_M,
+        height_m: 1.38,
+        pad_radius_m: 0.0,
+        slope_rad: 12.0 * std::f64::consts::PI / 180.0,
+    };
+
+    #[test]
+    fn downhill_and_on_ball_pads_the_captured_tip_speed_has_its_limits() {
+        // To the printed digits, as above.
+        let downhill_m_s = DOWNHILL.tip_speed_m_s(1.625);
+        assert!((downhill_m_s - 1.48).abs() < 5e-3, "{downhill_m_s}");
+        let level = Captured { slope_rad: 0.0, ..DOWNHILL };
+        assert!((level.tip_speed_m_s(1.625) - 2.012).abs() < 5e-4);
+        // Level, the climb of a ball of radius r: r + sqrt(d² + (h - r)²) - h.
+        let radius_m: f64 = 0.1;
+        let climb_m = radius_m + EDGE_M.hypot(1.38 - radius_m) - 1.38;
+        let inertia = 126.1 + DRY_KG * (EDGE_M * EDGE_M + 1.38 * 1.38);
+        let expected = (2.0 * 1.625 * climb_m * inertia / DRY_KG).sqrt() / 1.38;
+        let ball = Captured { pad_radius_m: radius_m, ..level };
+        assert!((ball.tip_speed_m_s(1.625) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_ball_pad_climbs_to_the_highest_point_of_its_roll() {
+        // The roll tried in steps of 1e-5 rad; the top is flat, so that this gives 1e-10 of it.
+        let (radius_m, slope_rad) = (0.1, DOWNHILL.slope_rad);
+        let arm_w = nalgebra::Vector2::new(-EDGE_M, 1.38 - radius_m);
+        let climb_m = (0..100_000)
+            .map(|step| {
+                let roll_rad = 1e-5 * f64::from(step);
+                // Clockwise is downhill.
+                let turned = nalgebra::Rotation2::new(-roll_rad - slope_rad) * arm_w;
+                let before = nalgebra::Rotation2::new(-slope_rad) * arm_w;
+                turned.y - before.y - radius_m * roll_rad * slope_rad.sin()
+            })
+            .fold(0.0, f64::max);
+        let inertia = 126.1 + DRY_KG * (EDGE_M * EDGE_M + 1.38 * 1.38);
+        let expected = (2.0 * 1.625 * climb_m * inertia / DRY_KG).sqrt() / 1.38;
+        let ball = Captured { pad_radius_m: radius_m, ..DOWNHILL };
+        assert!((ball.tip_speed_m_s(1.625) - expected).abs() < 1e-9);
     }
 
     #[test]

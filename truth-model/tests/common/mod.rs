@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Each test binary uses its own part.
 
 pub mod arrival;
+pub mod engines;
 pub mod relief;
 
 use lander_models::scenario::Scenario;
