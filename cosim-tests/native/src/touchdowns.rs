@@ -222,16 +222,7 @@ fn run(
     stop_time: Ticks,
     case: &[f64; COLUMNS.len()],
 ) -> Result<Touchdown, ModelError> {
-    let mut scenario = scenario(vehicle, case)?;
-    scenario.contact_engine = engine.into();
-    scenario.stop_time = stop_time;
-    let normal_w = scenario.terrain.normal_w();
-    // From the origin straight up until the lowest point is clear by the gap.
-    let low = TruthModel::new(scenario.clone(), vehicle.clone());
-    let climb_m = START_GAP_M - low.lowest_m(&low.initial_state());
-    scenario.initial.position_w.z += climb_m / normal_w.z;
-
-    let model = TruthModel::new(scenario, vehicle.clone());
+    let model = model(vehicle, engine.into(), stop_time, case)?;
     let mut state = model.initial_state();
     let engine_off = vec![0.0; TRUTH.input_len()];
     model.step(&mut state, &engine_off, stop_time)?;
@@ -245,6 +236,27 @@ fn run(
         end_time_s: state.now.seconds(),
         results: RESULTS.map(value),
     })
+}
+
+/// The truth model of a case, its lowest point `START_GAP_M` above the ground.
+///
+/// # Errors
+/// Those of the base scenario with this vehicle.
+pub fn model(
+    vehicle: &Vehicle,
+    engine: ContactEngine,
+    stop_time: Ticks,
+    case: &[f64; COLUMNS.len()],
+) -> Result<TruthModel, ConfigError> {
+    let mut scenario = scenario(vehicle, case)?;
+    scenario.contact_engine = engine;
+    scenario.stop_time = stop_time;
+    let normal_w = scenario.terrain.normal_w();
+    // From the origin straight up until the lowest point is clear by the gap.
+    let low = TruthModel::new(scenario.clone(), vehicle.clone());
+    let climb_m = START_GAP_M - low.lowest_m(&low.initial_state());
+    scenario.initial.position_w.z += climb_m / normal_w.z;
+    Ok(TruthModel::new(scenario, vehicle.clone()))
 }
 
 /// The base scenario with the site and start of a row, O at the world's origin.

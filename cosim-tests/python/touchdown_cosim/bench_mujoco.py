@@ -1,6 +1,6 @@
 """MuJoCo's lander from contact to rest: error and time against the step.
 
-`python -m touchdown_cosim.bench_mujoco [--json] [--repeats N] [--vehicle FILE]`
+`python -m touchdown_cosim.bench_mujoco [--json] [--repeats N] [--integrators NAME ...] [--vehicle FILE]`
 
 What is timed is `mujoco.rollout`, MuJoCo's native loop over `mj_step`, without sensors and without Python.
 The strut law is the exact one: a first run moves the servos' set-points from Python (mujoco_touchdown.py)
@@ -33,6 +33,7 @@ INTEGRATORS = ("Euler", "implicitfast", "discrete", "RK4")
 STEPS_S = (4e-3, 2e-3, 1e-3, 0.5e-3, 0.25e-3, 0.125e-3)
 REFERENCE_STEP_S, REFERENCE_INTEGRATOR = 0.02e-3, "Euler"
 STOP_TIME_S = 12
+FLIGHT_STEPS, FLIGHT_HEIGHT_M = 5000, 1000.0
 
 FLAT = Case(
     propellant_kg=PROPELLANT_KG,
@@ -138,6 +139,21 @@ def timed(vehicle: Vehicle, case: Case, step_s: float, integrator: str, end: End
     return seconds
 
 
+def flight_us(vehicle: Vehicle, repeats: int) -> float:
+    """CPU microseconds of a step of a tick in free fall, the least of several runs."""
+    touchdown = Touchdown(vehicle, FLAT, TICK_S, "Euler")
+    model, data = touchdown.model, touchdown.data
+    data.qpos[2] += FLIGHT_HEIGHT_M
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR
+    initial, seconds = state_of(model, data), []
+    with mujoco.rollout.Rollout(nthread=0) as native:
+        for _ in range(repeats):
+            started = time.thread_time()
+            native.rollout(model, data, initial[None], nstep=FLIGHT_STEPS)
+            seconds.append(time.thread_time() - started)
+    return min(seconds) / FLIGHT_STEPS * 1e6
+
+
 def bench(
     vehicle: Vehicle,
     repeats: int,
@@ -193,17 +209,28 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="bench_mujoco", description=__doc__.splitlines()[0])
     parser.add_argument("--vehicle", type=Path, default=Path("models/vehicles/bug.toml"))
     parser.add_argument("--repeats", type=int, default=7, help="timed runs of each")
+    parser.add_argument("--integrators", nargs="+", choices=INTEGRATORS, default=INTEGRATORS)
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     options = parser.parse_args(arguments)
     try:
         vehicle = Vehicle(options.vehicle)
-        rows = bench(vehicle, options.repeats, say=lambda text: print(text, file=sys.stderr))
+        flight = flight_us(vehicle, options.repeats)
+        rows = bench(
+            vehicle,
+            options.repeats,
+            integrators=options.integrators,
+            say=lambda text: print(text, file=sys.stderr),
+        )
     except KeyboardInterrupt:
         return INTERRUPTED
     except Exception as error:
         complain(error)
         return FAILED
-    print(json.dumps({"mujoco": mujoco.__version__, "rows": rows}, indent=1) if options.json else table(rows))
+    if options.json:
+        print(json.dumps({"mujoco": mujoco.__version__, "flight_us": flight, "rows": rows}, indent=1))
+    else:
+        print(f"flight: {flight:.1f} us a step of {1e3 * TICK_S:.0f} ms")
+        print(table(rows))
     return 0
 
 

@@ -53,14 +53,16 @@ def run_to_verdict(touchdown: Touchdown) -> Verdict:
             return verdict
 
 
-def kit_verdicts(lander: Path, vehicle_file: Path, cases: list[Case]) -> list[dict]:
-    """All cases through `lander touchdowns`."""
+def kit_verdicts(lander: Path, vehicle_file: Path, cases: list[Case], engine="rapier") -> list[dict]:
+    """All cases through `lander touchdowns` with one of its engines."""
     with tempfile.TemporaryDirectory() as folder:
         file, out = Path(folder) / "cases.csv", Path(folder) / "touchdowns.csv"
         touchdown_cases.write(file, cases)
         command = [lander, "touchdowns", "--cases", file, "--vehicle", vehicle_file, "--out", out]
         done = subprocess.run(
-            [*command, "--stop-time", str(STOP_TIME_S)], stdout=subprocess.DEVNULL, check=False
+            [*command, "--engine", engine, "--stop-time", str(STOP_TIME_S)],
+            stdout=subprocess.DEVNULL,
+            check=False,
         )
         if done.returncode:
             raise RuntimeError(f"{lander} touchdowns failed with {done.returncode}")

@@ -77,6 +77,36 @@ def some(cases: list[Case], count: int) -> list[Case]:
     return [cases[n] for n in sorted(chosen)]
 
 
+def anywhere(count: int) -> list[Case]:
+    """`count` touchdowns of BUG from all over its envelope and beyond, drawn once and for all."""
+    draw = random.Random(1)
+
+    def between(low: float, high: float) -> float:
+        # Three digits, so that a row can be typed.
+        return round(draw.uniform(low, high), 3)
+
+    return [
+        Case(
+            propellant_kg=between(0.0, 85.5),
+            gravity_m_s2=GRAVITY_M_S2,
+            down_m_s=between(0.3, 3.5),
+            across_m_s=between(0.0, 3.0),
+            travel_deg=between(-180.0, 180.0),
+            roll_deg=between(-8.0, 8.0),
+            pitch_deg=between(-8.0, 8.0),
+            yaw_deg=between(-180.0, 180.0),
+            rate_x_deg_s=between(-8.0, 8.0),
+            rate_y_deg_s=between(-8.0, 8.0),
+            rate_z_deg_s=between(-8.0, 8.0),
+            slope_deg=between(0.0, 15.0),
+            downhill_deg=between(-180.0, 180.0),
+            friction=between(0.2, 1.0),
+            captured=int(draw.random() < 0.2),
+        )
+        for _ in range(count)
+    ]
+
+
 def write(file: Path, cases: list[Case]):
     with file.open("w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out, lineterminator="\n")

@@ -31,16 +31,19 @@ fn flight_row(engine: &str, step_us: f64) -> Row {
 }
 
 fn peer_rows(peer: &mujoco::Peer) -> Vec<Row> {
-    let contact = peer.rows.iter().map(|row| Row {
-        engine: "mujoco".to_owned(),
-        case: cases::CASES[row.case].name.to_owned(),
-        step_ms: row.step_ms,
-        step_us: row.step_us,
-        to_rest_ms: Some(row.to_rest_ms),
-        place_error_m: Some(row.place_error_m),
-        tilt_error_deg: Some(row.tilt_error_deg),
-        stroke_error_percent: Some(row.stroke_error_percent),
-        ratio_to_mujoco: None,
+    let contact = peer.rows.iter().filter_map(|row| {
+        let end = row.end.as_ref()?;
+        Some(Row {
+            engine: "mujoco".to_owned(),
+            case: row.name.clone(),
+            step_ms: row.step_ms,
+            step_us: end.step_us_min,
+            to_rest_ms: Some(1e-3 * end.step_us_min * f64::from(end.steps)),
+            place_error_m: Some(end.position_error_m),
+            tilt_error_deg: Some(end.tilt_error_deg),
+            stroke_error_percent: Some(100.0 * end.peak_stroke_error.abs()),
+            ratio_to_mujoco: None,
+        })
     });
     std::iter::once(flight_row("mujoco", peer.flight_us)).chain(contact).collect()
 }
@@ -48,7 +51,8 @@ fn peer_rows(peer: &mujoco::Peer) -> Vec<Row> {
 fn main() -> Result<(), Box<dyn Error>> {
     let json = std::env::args().any(|word| word == "--json");
     let vehicles = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/vehicles");
-    let vehicle = Vehicle::load(&vehicles.join("bug.toml"))?;
+    let vehicle_file = vehicles.join("bug.toml");
+    let vehicle = Vehicle::load(&vehicle_file)?;
     let mut rows = vec![flight_row("flight", timing::flight_us(&vehicle)?)];
     for (name, engine) in ENGINES {
         for case in &cases::CASES {
@@ -57,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     eprintln!("MuJoCo");
-    let peer = mujoco::run();
+    let peer = mujoco::run(&vehicle_file);
     let peers = peer.as_ref().map(peer_rows).unwrap_or_default();
     table::compare(&mut rows, &peers);
     rows.extend(peers);

@@ -1,22 +1,18 @@
-//! MuJoCo's same lander on the same touchdowns, timed by its Python peer.
-//!
-//! Called as `python -m touchdown_cosim.bench_mujoco CASES.csv --json`: the table has the columns of
-//! `lander touchdowns`, one case a row. Expected on stdout is one JSON object:
-//! `{"version": "3.3.0", "flight_us": 5.8, "rows": [ROW, …]}` with a row for each case and step size,
-//! `{"case": 0, "step_ms": 1.0, "step_us": 13.0, "to_rest_ms": 40.0, "place_error_m": 1e-3,
-//! "tilt_error_deg": 1e-2, "stroke_error_percent": 0.5}`: times of MuJoCo alone, the least of
-//! several runs, and errors against its own fine step.
+//! MuJoCo's same lander on the same touchdowns, timed by `touchdown_cosim.bench_mujoco`: times of
+//! MuJoCo alone, the least of several runs, and errors against its own fine step.
 
-use std::fs;
+use std::collections::HashMap;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
+use cosim::touchdowns::COLUMNS;
 use serde::Deserialize;
 
-use crate::cases;
+use crate::cases::CASES;
 
 #[derive(Deserialize)]
 pub struct Peer {
+    #[serde(rename = "mujoco")]
     pub version: String,
     pub flight_us: f64,
     pub rows: Vec<PeerRow>,
@@ -24,41 +20,51 @@ pub struct Peer {
 
 #[derive(Deserialize)]
 pub struct PeerRow {
-    pub case: usize,
+    pub name: String,
     pub step_ms: f64,
-    pub step_us: f64,
-    pub to_rest_ms: f64,
-    pub place_error_m: f64,
+    case: HashMap<String, f64>,
+    /// `None`: so long a step does not come to rest.
+    #[serde(flatten)]
+    pub end: Option<PeerEnd>,
+}
+
+#[derive(Deserialize)]
+pub struct PeerEnd {
+    pub steps: u32,
+    pub step_us_min: f64,
+    pub position_error_m: f64,
     pub tilt_error_deg: f64,
-    pub stroke_error_percent: f64,
+    pub peak_stroke_error: f64,
 }
 
 /// Runs the peer. An error says in one line why there is none.
-pub fn run() -> Result<Peer, String> {
+pub fn run(vehicle_file: &Path) -> Result<Peer, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let python = root.join(".venv/bin/python");
     if !python.exists() {
         return Err("no .venv: `cargo land` makes it".into());
     }
-    let table = std::env::temp_dir().join(format!("plant-cases-{}.csv", std::process::id()));
-    fs::write(&table, cases::csv()).map_err(|error| error.to_string())?;
     let output = Command::new(python)
-        .args(["-m", "touchdown_cosim.bench_mujoco"])
-        .arg(&table)
-        .arg("--json")
+        .args(["-m", "touchdown_cosim.bench_mujoco", "--json", "--integrators", "Euler"])
+        .arg("--vehicle")
+        .arg(vehicle_file)
         .env("PYTHONPATH", root.join("cosim-tests/python"))
+        .stderr(Stdio::inherit())
         .output()
-        .map_err(|error| error.to_string());
-    // What is left in the temporary folder does no harm.
-    let _ = fs::remove_file(&table);
-    let output = output?;
+        .map_err(|error| error.to_string())?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        return Err(said.lines().last().unwrap_or("it failed and said nothing").to_owned());
+        return Err(format!("bench_mujoco ended with {}", output.status));
     }
     let peer: Peer = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
-    match peer.rows.iter().find(|row| row.case >= cases::CASES.len()) {
-        Some(row) => Err(format!("it timed a case {} that nobody asked for", row.case)),
+    match peer.rows.iter().find(|row| !is_ours(row)) {
+        Some(row) => Err(format!("its touchdown `{}` is not the one here", row.name)),
         None => Ok(peer),
     }
+}
+
+fn is_ours(row: &PeerRow) -> bool {
+    CASES.iter().filter(|case| case.name == row.name).any(|case| {
+        let mut columns = COLUMNS.iter().zip(case.values);
+        columns.all(|((name, _), value)| row.case.get(*name) == Some(&value))
+    })
 }

@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::time::Instant;
 
-use lander_models::Vehicle;
 use lander_models::scenario::ContactEngine;
 use lander_models::time::TICK_S;
+use lander_models::{Outcome, Vehicle};
 use nalgebra::Vector3;
 use truth_model::flight::{advance, free};
 use truth_model::propulsion::Drive;
@@ -15,15 +15,15 @@ use crate::cases::{self, CASES, Case, Rest};
 use crate::table::Row;
 
 const RUNS: usize = 5;
-/// How much finer the reference of an error is.
-const REFERENCE_SCALE: f64 = 8.0;
+/// Steps of the reference of an error within one of the engine's own.
+pub const REFINEMENT: u32 = 16;
 
 /// The flight integrator alone, microseconds a step.
 pub fn flight_us(vehicle: &Vehicle) -> Result<f64, Box<dyn Error>> {
     const STEPS: u32 = 100_000;
     let model = cases::model(vehicle, &CASES[0], ContactEngine::Rapier)?;
     let drive = Drive { thrust_target_n: 2500.0, ..Drive::default() };
-    let gravity_w = Vector3::z() * -cases::GRAVITY_M_S2;
+    let gravity_w = Vector3::z() * -model.scenario().gravity_m_s2;
     let run = || {
         let mut motion = model.initial_state().motion;
         motion.rate_b = Vector3::new(0.02, 0.05, -0.03);
@@ -63,19 +63,20 @@ pub fn touchdown(
         least_ms = least_ms.min(ms);
         (end, ticks) = (state, count);
     }
-    let (fine, _, _) = touch_down(&cases::larger(&model, REFERENCE_SCALE))?;
+    let mut scenario = model.scenario().clone();
+    scenario.contact_refinement = REFINEMENT;
+    let (fine, _, _) = touch_down(&TruthModel::new(scenario, vehicle.clone()))?;
+    let landed = end.touchdown.outcome == Outcome::Landed;
     let (rest, fine) = (Rest::of(&end), Rest::of(&fine));
     Ok(Row {
         engine: name.to_owned(),
         case: case.name.to_owned(),
         step_ms: 1e3 * TICK_S,
         step_us: 1e3 * least_ms / f64::from(ticks),
-        to_rest_ms: Some(least_ms),
-        place_error_m: Some((rest.place_w - fine.place_w / REFERENCE_SCALE).norm()),
+        to_rest_ms: landed.then_some(least_ms),
+        place_error_m: Some((rest.place_w - fine.place_w).norm()),
         tilt_error_deg: Some((rest.tilt_deg - fine.tilt_deg).abs()),
-        stroke_error_percent: Some(
-            100.0 * (rest.stroke_m * REFERENCE_SCALE / fine.stroke_m - 1.0).abs(),
-        ),
+        stroke_error_percent: Some(100.0 * (rest.stroke_m / fine.stroke_m - 1.0).abs()),
         ratio_to_mujoco: None,
     })
 }
