@@ -12,7 +12,6 @@ use truth_model::State;
 /// What one touchdown came to, at its worst.
 #[derive(Default)]
 struct Worst {
-    captured: bool,
     /// A strut bottomed out, or hull or nozzle touched.
     struck: bool,
     /// Growth of the energy above its least value so far, % of the energy at the start.
@@ -29,7 +28,7 @@ fn run(number: u64) -> Worst {
     let start_j = mechanical_energy_j(&model, &before, &state);
     let mut least_j = start_j;
     let captured = model.scenario().terrain.pads_captured;
-    let mut worst = Worst { captured, ..Worst::default() };
+    let mut worst = Worst::default();
     loop {
         before.legs.clone_from(&state.legs);
         let report = model.tick(&mut state).unwrap_or_else(|error| panic!("{number}: {error}"));
