@@ -6,8 +6,10 @@ mod pad;
 mod soil;
 mod structure;
 
+use lander_models::mass::MassProperties;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
+use lander_models::vehicle::Gear;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +17,13 @@ use super::{ContactEngine, Site, Touch};
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Drive, Wrench};
-use pad::{Grip, Pad};
+use pad::{Grip, Pad, Shares};
 use structure::Bumpers;
 
+/// Steps of a tick: one leaves grips so soft that captured pads tip over 0.9 % too early.
+const STEPS: u32 = 2;
+/// Step times the fastest rate of a gripping vehicle: Runge-Kutta is stable up to 2.785.
+const GRIP_STEP: f64 = 2.5;
 /// A pad that would touch sooner than this after the start of a step touches in it, s.
 const TOUCH_TIME_MIN_S: f64 = 1e-9;
 /// Most touches for which one tick is cut.
@@ -50,6 +56,17 @@ impl Forces {
     }
 }
 
+/// Natural frequency of the stiffest critically damped grip that steps of `step_s` carry, so that
+/// finer ones tend to a rigid hold (T.32): all pads together damp the vehicle's yaw, or its pitch,
+/// by 2 ω m r²/I, the fastest of its rates.
+fn stiffest_grip_rad_s(gear: &Gear, mass: &MassProperties, step_s: f64) -> f64 {
+    let reach_m2 = gear.feet_b().map(|foot_b| (foot_b - mass.com_b).xy().norm_squared());
+    let height_m2 = mass.com_b.z * mass.com_b.z;
+    let [x, y, z] = [0, 1, 2].map(|axis| mass.inertia_b[(axis, axis)] / mass.mass_kg);
+    let lever = (reach_m2.fold(0.0, f64::max) / z).max(1.0 + height_m2 / x.min(y));
+    GRIP_STEP / (2.0 * lever * step_s)
+}
+
 impl ContactEngine for StrutContact {
     fn take_over(_: &Site, _: &Motion, _: &[LegState]) -> Self {
         Self { grips: [Grip::default(); FOOT_SLOTS] }
@@ -64,8 +81,10 @@ impl ContactEngine for StrutContact {
         drive: &Drive,
     ) -> Option<Touch> {
         let vehicle = site.vehicle;
-        let longest_s = TICK_S / f64::from(site.refinement);
-        let mass_kg = vehicle.mass.at(motion.propellant_kg).mass_kg;
+        let longest_s = TICK_S / f64::from(STEPS * site.refinement);
+        let mass = vehicle.mass.at(motion.propellant_kg);
+        let mass_kg = mass.mass_kg;
+        let grip_rad_s = stiffest_grip_rad_s(&vehicle.gear, &mass, longest_s);
         let share_kg = mass_kg / legs.len() as f64;
         let bumpers = Bumpers::new(site, motion, mass_kg);
         let mut touch = Touch::default();
@@ -76,7 +95,8 @@ impl ContactEngine for StrutContact {
             let sprung_kg = mass_kg - vehicle.gear.foot_mass_kg * standing as f64;
             let pads: [Option<Pad>; FOOT_SLOTS] = std::array::from_fn(|n| {
                 let (leg, grip) = (vehicle.gear.legs.get(n)?, &self.grips[n]);
-                Some(Pad::new(site, leg, motion, legs[n], grip, share_kg, mass_kg / sprung_kg))
+                let shares = Shares { share_kg, sprung: mass_kg / sprung_kg, grip_rad_s };
+                Some(Pad::new(site, leg, motion, legs[n], grip, shares))
             });
             let pads = || pads.iter().flatten();
             // What rounding leaves of a tick is no step of its own.

@@ -10,9 +10,6 @@ use super::soil::Bed;
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 
-/// Natural frequency of a leg's share of the vehicle on a gripping pad, rad/s times the
-/// refinement: the stiffest hold that steps of 1 ms carry, so that finer ones tend to a rigid one.
-const GRIP_RAD_S: f64 = 300.0;
 /// The same for the stop of a strut without stroke left.
 const STOP_RAD_S: f64 = 500.0;
 /// A leg flatter to the ground than this carries nothing along its axis (cosine).
@@ -29,6 +26,17 @@ impl Grip {
     pub fn holds(&self) -> bool {
         self.slip_w.is_some()
     }
+}
+
+/// How the vehicle bears on each of its pads.
+#[derive(Clone, Copy, Debug)]
+pub struct Shares {
+    /// Of its mass on one leg.
+    pub share_kg: f64,
+    /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
+    pub sprung: f64,
+    /// Natural frequency of that mass on a gripping pad.
+    pub grip_rad_s: f64,
 }
 
 /// A pad at the start of a step.
@@ -77,8 +85,7 @@ impl<'a> Pad<'a> {
         motion: &Motion,
         start: LegState,
         grip: &Grip,
-        share_kg: f64,
-        sprung: f64,
+        Shares { share_kg, sprung, grip_rad_s }: Shares,
     ) -> Self {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
@@ -87,7 +94,6 @@ impl<'a> Pad<'a> {
         let touch_w = centre_w - footing.normal_w * gear.pad_radius_m;
         let normal_b = motion.attitude_wb.inverse_transform_vector(&footing.normal_w);
         let slip_w = grip.slip_w.unwrap_or_default();
-        let grip_rad_s = GRIP_RAD_S * f64::from(site.refinement);
         let mut pad = Self {
             leg,
             centre_b,
