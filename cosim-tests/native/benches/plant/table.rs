@@ -1,12 +1,10 @@
 //! One table of all engines, and what MuJoCo takes for the same accuracy.
 
-use std::cmp::Ordering::Equal;
-
 use serde::Serialize;
 
 use crate::timing::REFINEMENT;
 
-/// MuJoCo's step is taken whose error of the peak stroke is the nearest to this and no worse.
+/// MuJoCo's fastest step counts whose peak stroke is no farther off.
 const STROKE_ERROR_PERCENT: f64 = 1.5;
 
 #[derive(Clone, Debug, Serialize)]
@@ -29,10 +27,8 @@ pub fn compare(rows: &mut [Row], peers: &[Row]) {
         let same = || peers.iter().filter(|peer| peer.case == row.case);
         let chosen = same()
             .filter(|peer| peer.stroke_error_percent.is_some_and(|off| off <= STROKE_ERROR_PERCENT))
-            .max_by(|a, b| {
-                a.stroke_error_percent.partial_cmp(&b.stroke_error_percent).unwrap_or(Equal)
-            })
-            .and_then(|peer| peer.to_rest_ms);
+            .filter_map(|peer| peer.to_rest_ms)
+            .reduce(f64::min);
         row.ratio_to_mujoco = match (row.to_rest_ms, chosen) {
             (Some(ours_ms), Some(peer_ms)) => Some(ours_ms / peer_ms),
             _ if row.case == "flight" => same().map(|peer| row.step_us / peer.step_us).next(),
@@ -76,7 +72,7 @@ pub fn print(rows: &[Row], peer: &Result<String, String>) {
     }
     println!(
         "Errors: against the same engine with {REFINEMENT} steps within each (MuJoCo: steps of 0.02 ms).\n\
-         Times: the least of several runs. × MuJoCo: time to rest over MuJoCo's at the step whose\n\
-         stroke error is nearest to {STROKE_ERROR_PERCENT} % and no worse; flight: by the step."
+         Times: the least of several runs. × MuJoCo: time to rest over MuJoCo's fastest with\n\
+         a stroke error of at most {STROKE_ERROR_PERCENT} %; flight: by the step."
     );
 }
