@@ -70,16 +70,6 @@ fn at_rest_the_ground_s_forces_on_the_pads_carry_the_weight() {
                 errors.push(100.0 * error);
             }
         }
-        let (bound_percent, noise, origin) = match engine {
-            ContactEngine::Rapier => (0.1, 1e-6, "acceptance list"),
-            // Yaw on four gripping pads decays at 4 c d²/I_zz = 4300/s for critical damping c at
-            // 300 rad/s; the Runge-Kutta step of 1 ms is stable up to 2785/s.
-            ContactEngine::Strut => (
-                40.0,
-                40.0,
-                "known shortfall: 0.1 % is asked; friction hunts, as its damper makes yaw unstable",
-            ),
-        };
         let engine = name(engine);
         Claim {
             id: &format!("loads-at-rest-{engine}"),
@@ -89,9 +79,9 @@ fn at_rest_the_ground_s_forces_on_the_pads_carry_the_weight() {
             ),
             reference: "the weight, as a vector",
             unit: "%",
-            bound: Bound::AtMost(bound_percent),
-            origin,
-            noise,
+            bound: Bound::AtMost(0.1),
+            origin: "acceptance list",
+            noise: 1e-6,
         }
         .holds_for(errors);
     }

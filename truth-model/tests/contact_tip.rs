@@ -140,7 +140,8 @@ fn the_engines_agree_on_the_tip_speed() {
 
 #[test]
 fn strut_tips_over_at_the_closed_form_speed() {
-    let origin = "known shortfall: 0.5 % is asked; pads grip by springs of 300 rad/s";
+    let origin =
+        "known shortfall: 0.5 % is asked; pads grip by springs no stiffer than the steps carry";
     claim(Strut, 1, 1.0, origin, LEVEL);
     claim(Strut, 1, 0.5, "acceptance list", DOWNHILL);
     claim(Strut, 2, 0.5, "acceptance list, asked of refinement 1", LEVEL);
