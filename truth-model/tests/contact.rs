@@ -7,7 +7,6 @@ use claims::{Bound, Claim};
 use common::engines::{ENGINES, name};
 use common::relief::meshed;
 use common::{GRAVITY_M_S2, Setup, bug, on_plane, rigid_bug, run, run_to_verdict, symmetric_bug};
-use lander_models::scenario::ContactEngine;
 use nalgebra::{UnitQuaternion, Vector3};
 
 const SLOPE_DEG: f64 = 15.0;
