@@ -86,10 +86,9 @@ def test_a_broken_fmu_is_named(spoil, tmp_path):
 
 
 def test_a_run_that_fails_in_flight_leaves_a_log_and_no_verdict(kit):
-    """At 1e306 m/s a double overflows, at 1.797e308 m, in the eighth tenth of a second."""
+    """A spin of 1e15 deg/s squares itself in every stage of the integrator, out of a double's range."""
     scenario = kit / "scenarios" / "no-ignition.toml"
-    replace(scenario, "[300.0, 100.0, 500.0]", "[1.79e308, 0.0, 500.0]")
-    replace(scenario, "[-15.0, -5.0, -25.0]", "[1e306, 0.0, 0.0]")
+    replace(scenario, "rate_b = { value = [0.0, 0.0, 0.0]", "rate_b = { value = [1e15, 1e15, 0.0]")
     out = kit / "out"
     out.mkdir()
     for command in commands(scenario, out):
