@@ -1,12 +1,11 @@
 //! What landers did, and whether the model puts it in the same order. Vehicle files hold what is
 //! known of them; nothing is tuned to these outcomes. Measured figures: docs/validation/history.md.
 
-mod common;
+pub mod common;
 
 use common::GRAVITY_M_S2;
 use common::arrival::{Arrival, EARTH_M_S2, Landing, vehicle};
 use lander_models::Outcome;
-use lander_models::scenario::ContactEngine;
 use nalgebra::Vector3;
 
 /// Langley's 1/6-scale model over hard level ground. Its speeds are those of the full scale.
@@ -16,16 +15,20 @@ fn langley() -> Arrival {
 }
 
 /// Enough for the model to fall over or settle, s: 18 s at full scale.
-const MODEL_TIME_S: f64 = 3.0;
+pub const MODEL_TIME_S: f64 = 3.0;
 
 /// One leg ahead (1-2-1), two ahead (2-2).
-const YAWS_DEG: [f64; 2] = [0.0, 45.0];
+pub const YAWS_DEG: [f64; 2] = [0.0, 45.0];
 const PITCHES_DEG: [f64; 3] = [-15.0, 0.0, 15.0];
 /// 5, 7.5 and 10 ft/s: up to the design speed of the time.
 const DOWN_M_S: [f64; 3] = [1.5, 2.25, 3.0];
 
 /// Langley's matrix at one friction; the report's own was not to hand.
-fn langley_matrix(friction: f64, yaws_deg: &[f64], across_m_s: &[f64]) -> Vec<(Arrival, Landing)> {
+pub fn langley_matrix(
+    friction: f64,
+    yaws_deg: &[f64],
+    across_m_s: &[f64],
+) -> Vec<(Arrival, Landing)> {
     let mut landings = Vec::new();
     for &yaw_deg in yaws_deg {
         for (down_m_s, pitch_deg) in
@@ -153,7 +156,7 @@ fn surveyor_3_with_its_engines_on_lifts_off_again_and_again() {
 }
 
 /// Langley's model with two legs ahead, downhill.
-fn strip_case(across_m_s: f64, down_m_s: f64) -> Arrival {
+pub fn strip_case(across_m_s: f64, down_m_s: f64) -> Arrival {
     // 15 deg back from the slope's normal: the trailing legs touch first.
     let (slope_deg, pitch_deg) = (10.0, -5.0);
     let change = Arrival { friction: 0.7, slope_deg, pitch_deg, yaw_deg: 45.0, ..langley() };
@@ -169,42 +172,4 @@ fn the_instability_strip_is_shown_not_lost() {
     // Stable at both ends, so a bisection between them would find nothing; unstable between.
     let overturned = ends.map(|letter| letter == 'T');
     assert_eq!(overturned, [false, false, true, true, true, false, false]);
-}
-
-/// Prints docs/validation/langley-matrix.csv, by both contact engines.
-#[test]
-#[ignore = "a minute of CPU; its table is committed"]
-fn langley_matrix_table() {
-    println!("CSV friction,yaw_deg,down_m_s,pitch_deg,across_m_s,rapier,strut");
-    for friction in [0.4, 0.7, 1.0] {
-        for (a, landing) in langley_matrix(friction, &YAWS_DEG, &[0.0, 0.75, 1.5, 2.25, 3.0]) {
-            let Arrival { yaw_deg, down_m_s, pitch_deg, across_m_s, .. } = a;
-            let strut = Arrival { engine: ContactEngine::Strut, ..a }.land(MODEL_TIME_S).letter();
-            let rapier = landing.letter();
-            println!(
-                "CSV {friction},{yaw_deg},{down_m_s},{pitch_deg},{across_m_s},{rapier},{strut}"
-            );
-        }
-    }
-}
-
-/// Prints docs/validation/instability-strip.csv: a row per horizontal speed, a letter per vertical
-/// speed.
-#[test]
-#[ignore = "a minute of CPU; its table is committed"]
-fn instability_strip_table() {
-    println!("CSV engine,refinement,across_m_s,ends at 0.5 to 6 m/s down in steps of 0.5");
-    for across_m_s in [2.5, 2.75, 3.0, 3.25] {
-        for (engine, refinement) in
-            [(ContactEngine::Rapier, 1), (ContactEngine::Rapier, 6), (ContactEngine::Strut, 1)]
-        {
-            let ends: String = (1..=12)
-                .map(|n| {
-                    let case = strip_case(across_m_s, 0.5 * f64::from(n));
-                    Arrival { engine, refinement, ..case }.land(2.0).letter()
-                })
-                .collect();
-            println!("CSV {engine:?},{refinement},{across_m_s},{ends}");
-        }
-    }
 }
