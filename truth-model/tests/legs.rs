@@ -53,9 +53,8 @@ fn stroke_claim<'a>(id: &'a str, claim: &'a str) -> Claim<'a> {
         claim,
         reference: "momentum at the impact, then energy balance",
         unit: "%",
-        // 3 sub-steps of 0.25 ms at 1.8 m/s are 1.4 mm of a stroke of 3 cm.
-        bound: Bound::AtMost(4.5),
-        origin: "two sub-steps of look-ahead and one of the semi-implicit step",
+        bound: Bound::AtMost(0.5),
+        origin: "acceptance list",
         noise: 0.0,
     }
 }
