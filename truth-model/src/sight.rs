@@ -66,13 +66,13 @@ impl TruthModel {
     /// the pads (T.23).
     pub fn footprint_normal_w(&self, state: &State) -> Vector3<f64> {
         let origin_w = state.motion.position_w;
-        let below_w: Vec<_> = (self.feet_b(state))
-            .map(|foot_b| {
-                let mut foot_w = state.motion.point_position_w(&foot_b);
-                foot_w.z = self.ground().height_m(foot_w.x, foot_w.y);
-                foot_w - origin_w
-            })
-            .collect();
+        let mut below_w = [Vector3::zeros(); FOOT_SLOTS];
+        for (slot, foot_b) in below_w.iter_mut().zip(self.feet_b(state)) {
+            let mut foot_w = state.motion.point_position_w(&foot_b);
+            foot_w.z = self.ground().height_m(foot_w.x, foot_w.y);
+            *slot = foot_w - origin_w;
+        }
+        let below_w = &below_w[..state.legs.len()];
         let next_w = below_w.iter().cycle().skip(1);
         let area_w: Vector3<f64> = below_w.iter().zip(next_w).map(|(a, b)| a.cross(b)).sum();
         // A vehicle on its head goes round the other way.
@@ -97,11 +97,15 @@ impl TruthModel {
             up_b: to_body * Vector3::z(),
             gravity_m_s2: self.scenario().gravity_m_s2,
         };
-        let mut feet_b = [Vector3::zeros(); FOOT_SLOTS];
-        for (slot, foot_b) in feet_b.iter_mut().zip(self.feet_b(state)) {
-            *slot = foot_b;
+        // Pads are balls: a vehicle that leans stands on another point of them.
+        let (radius_m, normal_b) =
+            (self.vehicle().gear.pad_radius_m, to_body * self.footprint_normal_w(state));
+        let roll_b = (Vector3::z() - normal_b) * radius_m;
+        let mut points_b = [Vector3::zeros(); FOOT_SLOTS];
+        for (slot, foot_b) in points_b.iter_mut().zip(self.feet_b(state)) {
+            *slot = foot_b + roll_b;
         }
-        tip_state(&tipping, &feet_b[..state.legs.len()])
+        tip_state(&tipping, &points_b[..state.legs.len()])
     }
 
     /// `before` is the motion before the tick that led to `state` and `touch`.

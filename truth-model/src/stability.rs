@@ -36,7 +36,7 @@ impl TipState {
     }
 }
 
-/// `feet_b` are the pads' ground points, counter-clockwise seen from above.
+/// `feet_b` are the points on which the pads stand, counter-clockwise seen from above.
 ///
 /// For each edge: the height that the centre of mass must still climb to stand above the edge,
 /// less the kinetic energy of the rotation about it if the pads of that edge stopped dead now.

@@ -17,6 +17,9 @@ const RESOLUTION: f64 = 6.3e-4;
 fn setup(engine: ContactEngine, refinement: u32, propellant_kg: f64, slope_deg: f64) -> Setup {
     let mut setup = rigid_bug(propellant_kg).on(engine, refinement);
     setup.scenario.terrain.pads_captured = true;
+    // Dampers twice as strong take the blow before springs store it: struts give back 0.03 % of the
+    // energy of tip-over in place of 1 %. A rigid edge gives back nothing.
+    let mut setup = setup.with_struts(|strut| strut.damping_n_s_m *= 2.0);
     setup.stand_on_slope(slope_deg.to_radians(), 0.0);
     setup
 }
@@ -108,17 +111,8 @@ fn rapier_tips_over_at_the_closed_form_speed() {
 
 #[test]
 fn rapier_at_half_the_step_is_closer() {
-    Claim {
-        id: "tip-speed-level-rapier-2",
-        section: "Contact: tip-over",
-        claim: "tip-over speed of captured pads over an edge, level, dry, rapier engine, refinement 2",
-        reference: "closed form (T.24), rigid gear",
-        unit: "%",
-        bound: Bound::AtMost(0.2),
-        origin: "acceptance list",
-        noise: 100.0 * RESOLUTION,
-    }
-    .holds(100.0 * error(&setup(Rapier, 2, 0.0, 0.0), 0.002));
+    claim(Rapier, 2, 0.2, "acceptance list", LEVEL);
+    claim(Rapier, 2, 0.2, "acceptance list", &DOWNHILL[1..2]);
 }
 
 #[test]
@@ -140,12 +134,8 @@ fn the_engines_agree_on_the_tip_speed() {
 
 #[test]
 fn strut_tips_over_at_the_closed_form_speed() {
-    let origin =
-        "known shortfall: 0.5 % is asked; pads grip by springs no stiffer than the steps carry";
-    claim(Strut, 1, 1.0, origin, LEVEL);
+    claim(Strut, 1, 0.5, "acceptance list", LEVEL);
     claim(Strut, 1, 0.5, "acceptance list", DOWNHILL);
-    claim(Strut, 2, 0.5, "acceptance list, asked of refinement 1", LEVEL);
-    let origin = "known shortfall: 0.2 % is asked, the wet vehicle misses it; struts of 1e6 N/m";
-    claim(Strut, 4, 0.25, origin, LEVEL);
-    claim(Strut, 4, 0.2, "acceptance list, asked of refinement 2", DOWNHILL);
+    claim(Strut, 2, 0.2, "acceptance list", LEVEL);
+    claim(Strut, 2, 0.2, "acceptance list", DOWNHILL);
 }

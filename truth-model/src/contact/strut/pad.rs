@@ -6,12 +6,15 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Footing, Site};
+use super::TOUCH_TIME_MIN_S;
+use super::capture::Hold;
 use super::soil::Bed;
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 
-/// The same for the stop of a strut without stroke left.
-const STOP_RAD_S: f64 = 500.0;
+/// A pad so near and no faster away is on the ground: rounding of a start on it, m and m/s.
+const MEET_GAP_M: f64 = 1e-9;
+const MEET_SPEED_M_S: f64 = 1e-9;
 /// A leg flatter to the ground than this carries nothing along its axis (cosine).
 const FLAT: f64 = 0.05;
 
@@ -23,6 +26,11 @@ pub struct Grip {
 }
 
 impl Grip {
+    /// Of a pad that takes hold here.
+    pub fn fresh() -> Self {
+        Self { slip_w: Some(Vector3::zeros()) }
+    }
+
     pub fn holds(&self) -> bool {
         self.slip_w.is_some()
     }
@@ -35,8 +43,16 @@ pub struct Shares {
     pub share_kg: f64,
     /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
     pub sprung: f64,
-    /// Natural frequency of that mass on a gripping pad.
+    pub stiffest: Stiffest,
+}
+
+/// Natural frequencies of that share on the two springs that stand for rigid contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Stiffest {
+    /// Along the ground, on a gripping pad.
     pub grip_rad_s: f64,
+    /// Along a strut without stroke left.
+    pub stop_rad_s: f64,
 }
 
 /// A pad at the start of a step.
@@ -55,8 +71,8 @@ pub struct Pad<'a> {
     grip_n_m: f64,
     /// Critical: a pad that grips stops dead, as on a rigid hold.
     grip_n_s_m: f64,
-    /// Share of the vehicle's mass on one leg.
-    share_kg: f64,
+    stop_n_m: f64,
+    stop_n_s_m: f64,
     /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
     sprung: f64,
     bed: Bed,
@@ -85,7 +101,7 @@ impl<'a> Pad<'a> {
         motion: &Motion,
         start: LegState,
         grip: &Grip,
-        Shares { share_kg, sprung, grip_rad_s }: Shares,
+        Shares { share_kg, sprung, stiffest }: Shares,
     ) -> Self {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
@@ -94,6 +110,7 @@ impl<'a> Pad<'a> {
         let touch_w = centre_w - footing.normal_w * gear.pad_radius_m;
         let normal_b = motion.attitude_wb.inverse_transform_vector(&footing.normal_w);
         let slip_w = grip.slip_w.unwrap_or_default();
+        let Stiffest { grip_rad_s, stop_rad_s } = stiffest;
         let mut pad = Self {
             leg,
             centre_b,
@@ -105,7 +122,8 @@ impl<'a> Pad<'a> {
             standing: grip.slip_w.is_some(),
             grip_n_m: share_kg * grip_rad_s * grip_rad_s,
             grip_n_s_m: 2.0 * share_kg * grip_rad_s,
-            share_kg,
+            stop_n_m: share_kg * stop_rad_s * stop_rad_s,
+            stop_n_s_m: 2.0 * share_kg * stop_rad_s,
             sprung,
             bed: Bed::HARD,
             start_clearance_m: footing.clearance_m(&motion.point_position_w(&centre_b)),
@@ -130,15 +148,36 @@ impl<'a> Pad<'a> {
     /// Time until the pad reaches the ground as it moves now, s; infinite if it stands already or
     /// moves away.
     pub fn time_to_touch_s(&self, motion: &Motion) -> f64 {
-        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
-        let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m
-            + self.bed.sinkage_m;
-        let closing_m_s = -self.footing.normal_w.dot(&motion.point_velocity_w(&pad_b));
+        let (gap_m, closing_m_s) = self.approach(motion);
         if self.standing || closing_m_s <= 0.0 || gap_m <= 0.0 {
             f64::INFINITY
         } else {
             gap_m / closing_m_s
         }
+    }
+
+    /// Whether a pad off the ground comes down on it now.
+    pub fn meets_ground(&self, motion: &Motion) -> bool {
+        let (gap_m, closing_m_s) = self.approach(motion);
+        !self.standing
+            && closing_m_s > -MEET_SPEED_M_S
+            && gap_m <= MEET_GAP_M.max(closing_m_s * TOUCH_TIME_MIN_S)
+    }
+
+    /// As the body sees a pad that holds.
+    pub fn hold(&self, motion: &Motion) -> Hold {
+        let normal_b = motion.attitude_wb.inverse_transform_vector(&self.footing.normal_w);
+        let stroke_axis_b = self.leg.stroke_axis_b;
+        let pad_b = self.centre_b + stroke_axis_b * self.start.stroke_m;
+        Hold { point_b: pad_b - normal_b * self.radius_m, stroke_axis_b }
+    }
+
+    /// Gap between pad and ground, m, and the speed at which it closes, m/s.
+    fn approach(&self, motion: &Motion) -> (f64, f64) {
+        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
+        let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m
+            + self.bed.sinkage_m;
+        (gap_m, -self.footing.normal_w.dot(&motion.point_velocity_w(&pad_b)))
     }
 
     /// Force in a given motion; `None` while the pad is off the ground (T.30 to T.34).
@@ -236,8 +275,7 @@ impl<'a> Pad<'a> {
         let strut = &self.leg.strut;
         let over_m = stroke_m - strut.stroke_max_m;
         let stop_n = if over_m > 0.0 {
-            let critical_n_s_m = 2.0 * self.share_kg * STOP_RAD_S;
-            (self.share_kg * STOP_RAD_S * STOP_RAD_S * over_m + critical_n_s_m * rate_m_s).max(0.0)
+            (self.stop_n_m * over_m + self.stop_n_s_m * rate_m_s).max(0.0)
         } else {
             0.0
         };
