@@ -4,6 +4,7 @@
 use lander_models::vehicle::{Leg, Vehicle};
 use lander_models::{Ticks, time::TICK_S};
 use nalgebra::{UnitQuaternion, Vector3};
+use truth_model::contact::Contact;
 use truth_model::random::uniform;
 use truth_model::{State, TruthModel};
 
@@ -87,6 +88,14 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
         + weight_n * motion.point_position_w(&mass.com_b).z;
     // ... corrected for where the feet are, how they move, and what struts and pads store.
     let gear = &vehicle.gear;
+    // The strut engine's load counts for more, as its feet have no mass (T.37).
+    let (sprung, grips_j) = if let Some(Contact::Strut(contact)) = &state.contact {
+        let standing = state.feet_down.iter().filter(|down| **down).count() as f64;
+        let sprung_kg = mass.mass_kg - standing * gear.foot_mass_kg;
+        (mass.mass_kg / sprung_kg, contact.grip_energy_j())
+    } else {
+        (1.0, 0.0)
+    };
     let strokes = gear.legs.iter().zip(before.legs.iter().zip(&state.legs));
     let legs_j: f64 = strokes
         .map(|(leg, (was, now))| {
@@ -100,13 +109,28 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
                 0.5 * gear.foot_mass_kg * (speed_w.norm_squared() - free_speed_w.norm_squared());
             let lift_j = gear.foot_mass_kg * gravity_m_s2 * now.stroke_m * axis_w.z;
             let strain_m = now.stroke_m - now.crushed_m;
-            kinetic_j + lift_j + 0.5 * leg.strut.stiffness_n_m * strain_m * strain_m
+            kinetic_j + lift_j + 0.5 * leg.strut.stiffness_n_m * strain_m * strain_m * sprung
         })
         .sum();
-    let pad_n_m = gear.foot_mass_kg * (std::f64::consts::TAU * PAD_FREQUENCY_HZ).powi(2);
-    let pads_j: f64 = model
-        .foot_clearances_m(state)
-        .map(|clearance_m| 0.5 * pad_n_m * clearance_m.min(0.0).powi(2))
-        .sum();
-    rigid_j + legs_j + pads_j
+    rigid_j + legs_j + grips_j + pressed_j(model, state)
+}
+
+/// What the pads' hold on the ground stores, by their depth.
+fn pressed_j(model: &TruthModel, state: &State) -> f64 {
+    let pad_kg = model.vehicle().gear.foot_mass_kg;
+    let pad_n_m = pad_kg * (std::f64::consts::TAU * PAD_FREQUENCY_HZ).powi(2);
+    let depths_m = model.foot_clearances_m(state).map(|clearance_m| clearance_m.min(0.0));
+    depths_m.map(|depth_m| 0.5 * pad_n_m * depth_m * depth_m).sum()
+}
+
+/// Most that ground and stops may store, which only their engine knows: the pads' share by their
+/// depth; anything while hull or nozzle touch or a strut is beyond its stop.
+pub fn stored_at_most_j(model: &TruthModel, state: &State) -> f64 {
+    let structure_m = model.structure_clearance_m(&state.motion);
+    let legs = model.vehicle().gear.legs.iter().zip(&state.legs);
+    let beyond_stop = legs.into_iter().any(|(leg, now)| now.stroke_m > leg.strut.stroke_max_m);
+    if beyond_stop || structure_m.hull.min(structure_m.nozzle) <= 0.0 {
+        return f64::INFINITY;
+    }
+    pressed_j(model, state)
 }

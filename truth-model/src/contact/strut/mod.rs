@@ -11,7 +11,7 @@ use lander_models::mass::MassProperties;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
 use lander_models::vehicle::Gear;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{ContactEngine, Site, Touch};
@@ -26,15 +26,17 @@ const STOP_STEPS: u32 = 8;
 /// Step times the fastest rate of a vehicle that grips or stands on its stops: Runge-Kutta is stable
 /// up to 2.785.
 const STIFFEST_STEP: f64 = 2.5;
-/// A pad that would touch sooner than this after the start of a step touches in it, s.
-const TOUCH_TIME_MIN_S: f64 = 1e-9;
-/// Most touches for which one tick is cut.
+/// A blow sooner than this after the start of a step falls into it, s.
+const BLOW_TIME_MIN_S: f64 = 1e-9;
+/// Most blows for which one tick is cut.
 const CUTS_MAX: usize = 16;
 
 /// What the engine keeps from step to step beside motion and legs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StrutContact {
     grips: [Grip; FOOT_SLOTS],
+    /// Stiffness of each in the last step.
+    grip_n_m: f64,
 }
 
 /// Sum of the ground's forces on the vehicle.
@@ -45,11 +47,30 @@ struct Forces {
     torque_b: Vector3<f64>,
 }
 
+/// A motion in body axes: a force of the ground is then a matter of a few products.
+struct Stance {
+    to_body: Matrix3<f64>,
+    origin_w: Vector3<f64>,
+    velocity_b: Vector3<f64>,
+    rate_b: Vector3<f64>,
+}
+
+impl Stance {
+    fn of(motion: &Motion) -> Self {
+        let to_body = motion.attitude_wb.to_rotation_matrix().inverse().into_inner();
+        Self {
+            to_body,
+            origin_w: motion.position_w,
+            velocity_b: to_body * motion.velocity_w,
+            rate_b: motion.rate_b,
+        }
+    }
+}
+
 impl Forces {
-    fn add_w(&mut self, motion: &Motion, force_w: &Vector3<f64>, point_b: &Vector3<f64>) {
-        let force_b = motion.attitude_wb.inverse_transform_vector(force_w);
+    fn add(&mut self, force_b: &Vector3<f64>, point_b: &Vector3<f64>) {
         self.force_b += force_b;
-        self.torque_b += point_b.cross(&force_b);
+        self.torque_b += point_b.cross(force_b);
     }
 
     fn about(&self, com_b: &Vector3<f64>) -> Wrench {
@@ -82,9 +103,17 @@ fn stop_is_near(gear: &Gear, legs: &[LegState]) -> bool {
 }
 
 impl StrutContact {
-    /// Stops the vehicle on the pads that hold once another one meets the ground; whether one did.
-    fn capture<'a, I>(
+    /// Energy that the grips hold along the ground and may give back, J.
+    pub fn grip_energy_j(&self) -> f64 {
+        let slips_m2 = self.grips.iter().map(|grip| grip.slip_m().powi(2));
+        0.5 * self.grip_n_m * slips_m2.sum::<f64>()
+    }
+
+    /// Lets the pads that meet the ground stand on it; whether one did. Captured ones stop the
+    /// vehicle on all that hold.
+    fn stand<'a, I>(
         &mut self,
+        site: &Site,
         motion: &mut Motion,
         mass: &MassProperties,
         pads: impl Fn() -> I,
@@ -99,9 +128,10 @@ impl StrutContact {
                 new = true;
             }
         }
-        if new {
+        if new && site.terrain.pads_captured {
+            let foot_kg = site.vehicle.gear.foot_mass_kg;
             let held = pads().zip(&self.grips).filter(|(_, grip)| grip.holds());
-            *motion = capture::stop(motion, mass, held.map(|(pad, _)| pad.hold(motion)));
+            *motion = capture::stop(motion, mass, held.map(|(pad, _)| pad.hold(motion, foot_kg)));
         }
         new
     }
@@ -109,10 +139,10 @@ impl StrutContact {
 
 impl ContactEngine for StrutContact {
     fn take_over(_: &Site, _: &Motion, _: &[LegState]) -> Self {
-        Self { grips: [Grip::default(); FOOT_SLOTS] }
+        Self { grips: [Grip::default(); FOOT_SLOTS], grip_n_m: 0.0 }
     }
 
-    /// A tick is cut where a pad touches: the force of its strut's damper jumps there.
+    /// A tick is cut where a pad touches or a strut stops: a damper's force jumps there.
     fn step(
         &mut self,
         site: &Site,
@@ -127,6 +157,7 @@ impl ContactEngine for StrutContact {
         let mass_kg = mass.mass_kg;
         let stiffest = stiffest(&vehicle.gear, &mass, longest_s);
         let share_kg = mass_kg / legs.len() as f64;
+        self.grip_n_m = share_kg * stiffest.grip_rad_s * stiffest.grip_rad_s;
         let bumpers = Bumpers::new(site, motion, mass_kg);
         let mut touch = Touch::default();
         let mut left_s = TICK_S;
@@ -140,25 +171,25 @@ impl ContactEngine for StrutContact {
                 Some(Pad::new(site, leg, motion, legs[n], grip, shares))
             });
             let pads = || pads.iter().flatten();
-            if site.terrain.pads_captured && self.capture(motion, &mass, pads) {
+            if self.stand(site, motion, &mass, pads) {
                 continue;
             }
             // What rounding leaves of a tick is no step of its own.
             let mut step_s = if left_s < 1.5 * longest_s { left_s } else { longest_s };
-            let touch_s = pads()
-                .map(|pad| pad.time_to_touch_s(motion))
-                .filter(|time_s| *time_s > TOUCH_TIME_MIN_S)
+            let blow_s = pads()
+                .map(|pad| pad.time_to_blow_s(motion))
+                .filter(|time_s| *time_s > BLOW_TIME_MIN_S)
                 .fold(f64::INFINITY, f64::min);
-            if touch_s < step_s && cuts < CUTS_MAX {
+            if blow_s < step_s && cuts < CUTS_MAX {
                 cuts += 1;
-                step_s = touch_s;
+                step_s = blow_s;
             }
             let outside = |stage: &Motion| {
-                let mut forces = Forces::default();
-                for force in pads().filter_map(|pad| pad.force(site, stage)) {
-                    forces.add_w(stage, &force.ground_w, &force.point_b);
+                let (mut forces, stance) = (Forces::default(), Stance::of(stage));
+                for force in pads().filter_map(|pad| pad.force(site, &stance)) {
+                    forces.add(&force.ground_b, &force.point_b);
                 }
-                bumpers.press(site, stage, &mut forces);
+                bumpers.press(site, &stance, &mut forces);
                 forces.about(&vehicle.mass.at(stage.propellant_kg).com_b)
             };
             *motion = flight::advance(vehicle, &site.gravity_w, motion, drive, step_s, outside);

@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Footing, Site};
-use super::TOUCH_TIME_MIN_S;
 use super::capture::Hold;
 use super::soil::Bed;
+use super::{BLOW_TIME_MIN_S, Stance};
 use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 
@@ -29,6 +29,11 @@ impl Grip {
     /// Of a pad that takes hold here.
     pub fn fresh() -> Self {
         Self { slip_w: Some(Vector3::zeros()) }
+    }
+
+    /// How far the pad was carried, m; 0 off the ground.
+    pub fn slip_m(&self) -> f64 {
+        self.slip_w.map_or(0.0, |slip_w| slip_w.norm())
     }
 
     pub fn holds(&self) -> bool {
@@ -83,14 +88,14 @@ pub struct Pad<'a> {
 /// A pad's force at one instant.
 pub struct PadForce {
     /// Of the ground on the pad.
-    pub ground_w: Vector3<f64>,
+    pub ground_b: Vector3<f64>,
     /// Where it acts, from O.
     pub point_b: Vector3<f64>,
     stroke_m: f64,
     stroke_rate_m_s: f64,
     sinkage_m: f64,
     load_n: f64,
-    slip_w: Vector3<f64>,
+    slip_b: Vector3<f64>,
     normal_n: f64,
 }
 
@@ -145,31 +150,39 @@ impl<'a> Pad<'a> {
         Bed::new(soil, radius_m, self.start.sinkage_m, closing_m_s, load_n)
     }
 
-    /// Time until the pad reaches the ground as it moves now, s; infinite if it stands already or
-    /// moves away.
-    pub fn time_to_touch_s(&self, motion: &Motion) -> f64 {
-        let (gap_m, closing_m_s) = self.approach(motion);
-        if self.standing || closing_m_s <= 0.0 || gap_m <= 0.0 {
-            f64::INFINITY
+    /// Time until a force of the pad's jumps as it moves now, s: it reaches the ground, or its strut
+    /// the stop; infinite if neither comes.
+    pub fn time_to_blow_s(&self, motion: &Motion) -> f64 {
+        let (gap_m, speed_m_s) = if self.standing {
+            let left_m = self.leg.strut.stroke_max_m - self.start.stroke_m;
+            (left_m, self.start.stroke_rate_m_s)
         } else {
-            gap_m / closing_m_s
-        }
+            self.approach(motion)
+        };
+        if gap_m > 0.0 && speed_m_s > 0.0 { gap_m / speed_m_s } else { f64::INFINITY }
     }
 
-    /// Whether a pad off the ground comes down on it now.
+    /// Whether a pad off the ground stands on it from now on: the body brings it down, or its strut
+    /// pushes it there as it springs back.
     pub fn meets_ground(&self, motion: &Motion) -> bool {
         let (gap_m, closing_m_s) = self.approach(motion);
-        !self.standing
-            && closing_m_s > -MEET_SPEED_M_S
-            && gap_m <= MEET_GAP_M.max(closing_m_s * TOUCH_TIME_MIN_S)
+        let near = gap_m <= MEET_GAP_M.max(closing_m_s * BLOW_TIME_MIN_S);
+        let pushes =
+            || gap_m < -MEET_GAP_M && self.axial_n(self.start.stroke_m - gap_m, closing_m_s) > 0.0;
+        !self.standing && near && (closing_m_s > -MEET_SPEED_M_S || pushes())
     }
 
-    /// As the body sees a pad that holds.
-    pub fn hold(&self, motion: &Motion) -> Hold {
+    /// As the body sees a pad that holds; the foot of one that stands has stopped already.
+    pub fn hold(&self, motion: &Motion, foot_kg: f64) -> Hold {
         let normal_b = motion.attitude_wb.inverse_transform_vector(&self.footing.normal_w);
         let stroke_axis_b = self.leg.stroke_axis_b;
         let pad_b = self.centre_b + stroke_axis_b * self.start.stroke_m;
-        Hold { point_b: pad_b - normal_b * self.radius_m, stroke_axis_b }
+        let point_b = pad_b - normal_b * self.radius_m;
+        let velocity_b =
+            motion.attitude_wb.inverse_transform_vector(&motion.point_velocity_w(&point_b));
+        let down_m_s = if self.standing { 0.0 } else { -velocity_b.dot(&stroke_axis_b).min(0.0) };
+        let foot_n_s = foot_kg * down_m_s * normal_b.dot(&stroke_axis_b).max(0.0);
+        Hold { point_b, stroke_axis_b, normal_b, foot_n_s }
     }
 
     /// Gap between pad and ground, m, and the speed at which it closes, m/s.
@@ -181,23 +194,24 @@ impl<'a> Pad<'a> {
     }
 
     /// Force in a given motion; `None` while the pad is off the ground (T.30 to T.34).
-    pub fn force(&self, site: &Site, motion: &Motion) -> Option<PadForce> {
-        let normal_w = self.footing.normal_w;
-        let axis_w = motion.attitude_wb * self.leg.stroke_axis_b;
-        let rise = normal_w.dot(&axis_w);
-        let free_w = motion.point_position_w(&self.centre_b);
-        // (T.30) The pad stays on the ground: its stroke is geometry.
-        let clearance_m = self.footing.clearance_m(&free_w);
-        let sinkage_m = self.bed.depth_m(self.start_clearance_m - clearance_m);
-        let stroke_m = (self.radius_m - sinkage_m - clearance_m) / rise;
-        if rise < FLAT || (!self.standing && stroke_m <= self.start.stroke_m) {
+    pub fn force(&self, site: &Site, stance: &Stance) -> Option<PadForce> {
+        if !self.standing {
             return None;
         }
-        let point_w = free_w + axis_w * stroke_m - normal_w * self.radius_m;
-        let point_b = motion.attitude_wb.inverse_transform_vector(&(point_w - motion.position_w));
-        let body_w = motion.point_velocity_w(&point_b);
+        let axis_b = &self.leg.stroke_axis_b;
+        let normal_b = stance.to_body * self.footing.normal_w;
+        let rise = normal_b.dot(axis_b);
+        // (T.30) The pad stays on the ground: its stroke is geometry.
+        let clearance_m = self.footing.clearance_m(&stance.origin_w) + normal_b.dot(&self.centre_b);
+        let sinkage_m = self.bed.depth_m(self.start_clearance_m - clearance_m);
+        let stroke_m = (self.radius_m - sinkage_m - clearance_m) / rise;
+        if rise < FLAT {
+            return None;
+        }
+        let point_b = self.centre_b + axis_b * stroke_m - normal_b * self.radius_m;
+        let body_b = stance.velocity_b + stance.rate_b.cross(&point_b);
         // What the soil takes of the way down the strut does not.
-        let stroke_rate_m_s = -body_w.dot(&normal_w) / rise * (1.0 - self.bed.share);
+        let stroke_rate_m_s = -body_b.dot(&normal_b) / rise * (1.0 - self.bed.share);
         let load_n = self.axial_n(stroke_m, stroke_rate_m_s);
         if load_n <= 0.0 {
             return None;
@@ -205,30 +219,30 @@ impl<'a> Pad<'a> {
         // (T.37) The feet on the ground have stopped already.
         let axial_n = load_n * self.sprung;
         // (T.32) Spring and damper along the ground.
-        let touch_w = motion.point_position_w(&self.touch_b) + axis_w * stroke_m;
-        let slip_w = tangential(&(touch_w - self.anchor_w), &normal_w);
-        let slip_m_s = tangential(&(body_w + axis_w * stroke_rate_m_s), &normal_w);
-        let hold_w = slip_w * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
+        let anchor_b = stance.to_body * (self.anchor_w - stance.origin_w);
+        let slip_b = tangential(&(self.touch_b + axis_b * stroke_m - anchor_b), &normal_b);
+        let slip_m_s = tangential(&(body_b + axis_b * stroke_rate_m_s), &normal_b);
+        let hold_b = slip_b * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
         // (T.33) Along the strut's axis ground force and strut balance on the massless pad.
-        let sticking_n = (axial_n - hold_w.dot(&axis_w)) / rise;
-        let hold_n = hold_w.norm();
+        let sticking_n = (axial_n - hold_b.dot(axis_b)) / rise;
+        let hold_n = hold_b.norm();
         let friction = site.pad_friction();
-        let (normal_n, friction_w) = if hold_n <= friction * sticking_n {
-            (sticking_n, hold_w)
+        let (normal_n, friction_b) = if hold_n <= friction * sticking_n {
+            (sticking_n, hold_b)
         } else {
-            let direction_w = hold_w / hold_n;
-            let normal_n = axial_n / (rise + friction * direction_w.dot(&axis_w)).max(FLAT);
-            (normal_n, direction_w * (friction * normal_n))
+            let direction_b = hold_b / hold_n;
+            let normal_n = axial_n / (rise + friction * direction_b.dot(axis_b)).max(FLAT);
+            (normal_n, direction_b * (friction * normal_n))
         };
-        let ground_w = normal_w * normal_n + friction_w;
+        let ground_b = normal_b * normal_n + friction_b;
         Some(PadForce {
-            ground_w,
+            ground_b,
             point_b,
             stroke_m,
             stroke_rate_m_s,
             sinkage_m,
             load_n,
-            slip_w,
+            slip_b,
             normal_n,
         })
     }
@@ -236,7 +250,7 @@ impl<'a> Pad<'a> {
     /// State of leg and grip after a step that ended in `motion`.
     pub fn settle(&self, site: &Site, motion: &Motion, step_s: f64, grip: &mut Grip) -> LegState {
         let strut = &self.leg.strut;
-        let Some(force) = self.force(site, motion) else {
+        let Some(force) = self.force(site, &Stance::of(motion)) else {
             grip.slip_w = None;
             // (T.35) Off the ground the damper lets the strut spring back to its crushed length.
             let decay = if strut.damping_n_s_m > 0.0 {
@@ -254,13 +268,13 @@ impl<'a> Pad<'a> {
         };
         // (T.34) Friction holds no more than this; the rest was a slide.
         let most_m = site.pad_friction() * force.normal_n / self.grip_n_m;
-        grip.slip_w = Some(force.slip_w.cap_magnitude(most_m));
+        grip.slip_w = Some(motion.attitude_wb * force.slip_b.cap_magnitude(most_m));
         LegState {
             stroke_m: force.stroke_m,
             stroke_rate_m_s: force.stroke_rate_m_s,
             crushed_m: crushed_after(strut, self.cap_n(), self.start.crushed_m, force.stroke_m),
             load_n: force.load_n,
-            ground_force_w: force.ground_w,
+            ground_force_w: motion.attitude_wb * force.ground_b,
             sinkage_m: force.sinkage_m,
         }
     }
@@ -283,6 +297,6 @@ impl<'a> Pad<'a> {
     }
 }
 
-fn tangential(vector_w: &Vector3<f64>, normal_w: &Vector3<f64>) -> Vector3<f64> {
-    vector_w - normal_w * normal_w.dot(vector_w)
+fn tangential(vector: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    vector - normal * normal.dot(vector)
 }

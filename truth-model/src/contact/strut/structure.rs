@@ -4,7 +4,7 @@ use lander_models::Vehicle;
 use nalgebra::{Unit, Vector3};
 
 use super::super::{Footing, Site, Structure};
-use super::Forces;
+use super::{Forces, Stance};
 use crate::flight::Motion;
 
 /// Natural frequency of the vehicle on a point of its structure, rad/s: stiff, yet resolved by 1 ms.
@@ -57,39 +57,40 @@ impl Bumpers {
 
     /// Whether hull and nozzle touch.
     pub fn touch(&self, motion: &Motion) -> Structure<bool> {
+        let stance = Stance::of(motion);
         let [bottom, top, nozzle] = self
             .discs
             .each_ref()
-            .map(|disc| disc.as_ref().is_some_and(|d| d.depth_m(motion).0 > 0.0));
+            .map(|disc| disc.as_ref().is_some_and(|d| d.depth_m(&stance).0 > 0.0));
         Structure { hull: bottom || top, nozzle }
     }
 
-    pub fn press(&self, site: &Site, motion: &Motion, forces: &mut Forces) {
+    pub fn press(&self, site: &Site, stance: &Stance, forces: &mut Forces) {
         for disc in self.discs.iter().flatten() {
-            let (depth_m, point_b) = disc.depth_m(motion);
+            let (depth_m, point_b) = disc.depth_m(stance);
             if depth_m <= 0.0 {
                 continue;
             }
-            let normal_w = disc.footing.normal_w;
-            let velocity_w = motion.point_velocity_w(&point_b);
-            let sinking_m_s = -velocity_w.dot(&normal_w);
+            let normal_b = stance.to_body * disc.footing.normal_w;
+            let velocity_b = stance.velocity_b + stance.rate_b.cross(&point_b);
+            let sinking_m_s = -velocity_b.dot(&normal_b);
             let normal_n =
                 (self.stiffness_n_m * depth_m + self.damping_n_s_m * sinking_m_s).max(0.0);
-            let slide_w = velocity_w + normal_w * sinking_m_s;
-            let friction_w =
-                slide_w * (-site.terrain.friction * normal_n / slide_w.norm().max(SLIDE_SPEED_M_S));
-            forces.add_w(motion, &(normal_w * normal_n + friction_w), &point_b);
+            let slide_b = velocity_b + normal_b * sinking_m_s;
+            let friction_b =
+                slide_b * (-site.terrain.friction * normal_n / slide_b.norm().max(SLIDE_SPEED_M_S));
+            forces.add(&(normal_b * normal_n + friction_b), &point_b);
         }
     }
 }
 
 impl Disc {
     /// Depth of the lowest point of the rim below ground, m, and the point from O.
-    fn depth_m(&self, motion: &Motion) -> (f64, Vector3<f64>) {
-        let normal_b = motion.attitude_wb.inverse_transform_vector(&self.footing.normal_w);
+    fn depth_m(&self, stance: &Stance) -> (f64, Vector3<f64>) {
+        let normal_b = stance.to_body * self.footing.normal_w;
         let down_b = Vector3::new(-normal_b.x, -normal_b.y, 0.0);
         let rim_b = Unit::try_new(down_b, 1e-12).map_or(Vector3::zeros(), Unit::into_inner);
         let point_b = Vector3::z() * self.height_m + rim_b * self.radius_m;
-        (-self.footing.clearance_m(&motion.point_position_w(&point_b)), point_b)
+        (-self.footing.clearance_m(&stance.origin_w) - normal_b.dot(&point_b), point_b)
     }
 }
