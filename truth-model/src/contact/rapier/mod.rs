@@ -33,9 +33,10 @@ const PAD_NATURAL_FREQUENCY_HZ: f64 = 500.0;
 /// Slower than this neither a touch nor a stroke needs finer steps, m/s: 0.3 mm of a stroke that
 /// such a speed leads to.
 const GENTLE_M_S: f64 = 0.1;
-/// A vehicle slower than this for so long stands.
+/// A vehicle slower than this for so long is calm, and then stands.
 const STILL_M_S: f64 = 0.02;
-const STILL_TIME: Ticks = Ticks(600);
+const CALM_TIME: Ticks = Ticks(20);
+const STANDING_TIME: Ticks = Ticks(600);
 
 /// How finely a tick is solved. Measured against the closed forms: README, "Rapier engine".
 #[derive(Clone, Copy)]
@@ -49,13 +50,15 @@ struct Pace {
 
 /// A pad comes down, or the structure, or a strut reaches its stop: Rapier stops it up to
 /// two sub-steps early, and a strut then works for so much longer.
-const TOUCHING: Pace = Pace { steps: 32, iterations: 4, sweeps: 8 };
+const TOUCHING: Pace = Pace { steps: 16, iterations: 8, sweeps: 2 };
 /// A strut strokes: the semi-implicit sub-step h takes v h/2 of the stroke.
-const STROKING: Pace = Pace { steps: 4, iterations: 4, sweeps: 8 };
+const STROKING: Pace = Pace { steps: 4, iterations: 4, sweeps: 2 };
 /// Rocking, turning and sliding.
 const MOVING: Pace = Pace { steps: 1, iterations: 4, sweeps: 4 };
+/// Hardly moves: a sub-step of 1 ms takes 20 µm of it, and creep has no time to add up.
+const CALM: Pace = Pace { steps: 1, iterations: 1, sweeps: 4 };
 /// Standing: what the sweeps leave of friction would let it creep.
-const STANDING: Pace = Pace { steps: 1, iterations: 4, sweeps: 8 };
+const STANDING: Pace = Pace { steps: 1, iterations: 2, sweeps: 16 };
 
 /// The engine at one instant: plain data, `Clone` and serialisable.
 #[derive(Serialize, Deserialize)]
@@ -67,6 +70,8 @@ pub struct RapierWorld {
     feet: Vec<Foot>,
     bobs: Vec<RigidBodyHandle>,
     ground: Soilbed,
+    /// Propellant for which the hull's mass was set, and whether it sloshed.
+    loaded: Option<(f64, bool)>,
     /// Pads that touched in the last step.
     standing: [bool; FOOT_SLOTS],
     /// For how long the vehicle has hardly moved.
@@ -115,7 +120,8 @@ impl ContactEngine for RapierWorld {
             .collect();
         let ground = Soilbed::new(&mut world, site, &parts_w(site, motion, legs));
         let standing = [false; FOOT_SLOTS];
-        Self { world, hull, structure, feet, bobs, ground, standing, still: Ticks::ZERO }
+        let (loaded, still) = (None, Ticks::ZERO);
+        Self { world, hull, structure, feet, bobs, ground, loaded, standing, still }
     }
 
     /// Propulsion and mass go on while Rapier owns the motion. A body that has become non-finite
@@ -192,7 +198,8 @@ impl RapierWorld {
         match () {
             () if touching => TOUCHING,
             () if stroking => STROKING,
-            () if self.still > STILL_TIME => STANDING,
+            () if self.still > STANDING_TIME => STANDING,
+            () if self.still > CALM_TIME => CALM,
             () => MOVING,
         }
     }
@@ -239,6 +246,11 @@ impl RapierWorld {
 
     /// Keeps the velocity of O when the centre of mass moves: Rapier's is that of the centre of mass.
     fn set_mass(&mut self, site: &Site, motion: &Motion) {
+        let load = Some((motion.propellant_kg, motion.slosh.are_active()));
+        if self.loaded == load {
+            return;
+        }
+        self.loaded = load;
         let hull = &mut self.world.bodies[self.hull];
         let (properties, com_b) = hull_mass(&site.vehicle.gear, &slosh::rest(site.vehicle, motion));
         hull.set_additional_mass_properties(properties, true);
