@@ -1,4 +1,4 @@
-//! The planner and its conic solver, timed in CPU time of the one thread: the median of many runs.
+//! The planner and its conic solver, timed in CPU time of the one thread.
 
 use std::error::Error;
 use std::time::Duration;
@@ -18,34 +18,34 @@ fn cpu_time() -> Result<Duration, nix::Error> {
     Ok(Duration::from_nanos(now.num_nanoseconds().unsigned_abs()))
 }
 
-/// Median time of `runs` calls, s, and the last result.
-fn median_s<T>(runs: usize, mut call: impl FnMut() -> T) -> Result<(f64, T), nix::Error> {
-    let mut timed = || -> Result<(Duration, T), nix::Error> {
+/// Least and median time of `runs` calls, s, and the last result.
+fn timed<T>(runs: usize, mut call: impl FnMut() -> T) -> Result<([f64; 2], T), nix::Error> {
+    let mut once = || -> Result<(f64, T), nix::Error> {
         let start = cpu_time()?;
         let result = call();
-        Ok((cpu_time()? - start, result))
+        Ok(((cpu_time()? - start).as_secs_f64(), result))
     };
-    let (first, mut result) = timed()?;
-    let mut times = vec![first];
+    let (first_s, mut result) = once()?;
+    let mut times_s = vec![first_s];
     for _ in 1..runs {
-        let (time, last) = timed()?;
-        times.push(time);
+        let (time_s, last) = once()?;
+        times_s.push(time_s);
         result = last;
     }
-    times.sort();
-    Ok((times[times.len() / 2].as_secs_f64(), result))
+    times_s.sort_by(f64::total_cmp);
+    Ok(([times_s[0], times_s[runs / 2]], result))
 }
 
 /// A cold plan.
 pub fn plan(case: &Case) -> Result<Plan, Box<dyn Error>> {
     let settings = case.mode.settings();
-    let (median_s, plan) = median_s(PLANS, || scvx::plan(&case.problem, &settings))?;
+    let (times_s, plan) = timed(PLANS, || scvx::plan(&case.problem, &settings))?;
     let plan = plan?;
     Ok(Plan {
         planner: "ours".to_owned(),
         case: case.name(),
         construction_ms: None,
-        cpu_ms: Some(1e3 * median_s),
+        cpu_ms: Some(times_s.map(|time_s| 1e3 * time_s)),
         fuel_kg: plan.propellant_kg(),
         outer_iterations: Some(plan.report.outer_iterations),
         miss_m: Some(plan.report.miss_m),
@@ -66,12 +66,12 @@ pub fn program(case: &Case) -> Result<Program, Box<dyn Error>> {
 /// One solve with the data updated in place, as the planner does it.
 pub fn solve(case: &Case, program: &Program) -> Result<Solve, Box<dyn Error>> {
     let mut solver = ConicSolver::new(program, case.mode.settings().solver_iterations_max)?;
-    let (median_s, solution) = median_s(SOLVES, || solver.solve(program))?;
+    let (times_s, solution) = timed(SOLVES, || solver.solve(program))?;
     let solution = solution?;
     Ok(Solve {
         solver: "ours".to_owned(),
         case: case.name(),
-        us: 1e6 * median_s,
+        us: times_s.map(|time_s| 1e6 * time_s),
         iterations: solution.iterations,
         objective: solution.objective,
         ours_times: None,

@@ -36,6 +36,7 @@ pub struct Descent {
 pub struct Cvxpy {
     pub construction_ms: f64,
     pub loop_ms: f64,
+    pub loop_p50_ms: f64,
     pub fuel_kg: f64,
     pub outer_iterations: u32,
     pub miss_m: f64,
@@ -46,7 +47,8 @@ pub struct Cvxpy {
 #[derive(Deserialize)]
 pub struct Generated {
     pub flags: String,
-    pub us: f64,
+    pub least_us: f64,
+    pub p50_us: f64,
     pub iterations: u32,
     pub objective: f64,
 }
