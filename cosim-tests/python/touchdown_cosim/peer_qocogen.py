@@ -17,7 +17,7 @@ import qocogen
 from scipy import sparse
 
 TOLERANCE = 1e-8
-SOLVES = 2000
+SOLVES = 8000
 # As the generator's own runtest.c, but with the tolerance set and the least and the median CPU time told.
 MAIN = r"""
 #include <stdio.h>
