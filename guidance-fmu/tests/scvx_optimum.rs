@@ -39,6 +39,41 @@ fn hop_matches_the_pontryagin_optimum() {
     assert_optimum("propellant-hop", "hop", &hop, 4.68829);
 }
 
+/// docs/validation/pontryagin.csv: random states about the descent and their optima, made by
+/// `touchdown_cosim.pontryagin --table 20`.
+#[test]
+fn random_descents_match_their_pontryagin_optima() {
+    let table = include_str!("../../docs/validation/pontryagin.csv");
+    let mut rows = table.lines();
+    assert!(rows.next().is_some_and(|head| {
+        head.starts_with("r0_x_m,r0_y_m,r0_z_m,v0_x_m_s,v0_y_m_s,v0_z_m_s,propellant_kg,")
+    }));
+    let excess = |row: &str| {
+        let row: Vec<f64> = row.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let (r0_w, v0_w) =
+            (Vector3::from_column_slice(&row[..3]), Vector3::from_column_slice(&row[3..6]));
+        let problem = Problem { r0_w, v0_w, ..descent() };
+        plan(&problem, &Settings::default()).expect("feasible").propellant_kg() / row[6] - 1.0
+    };
+    let excesses: Vec<f64> = rows.map(excess).collect();
+    assert_eq!(excesses.len(), 20);
+    let (low, high) =
+        excesses.iter().fold((0.0_f64, 0.0_f64), |(low, high), &e| (low.min(e), high.max(e)));
+    Claim {
+        id: "propellant-random-descents",
+        section: "Guidance",
+        claim: "propellant of 20 random descents, most above the optimum",
+        reference: "Pontryagin shooting, docs/validation/pontryagin.csv",
+        unit: "%",
+        bound: Bound::AtMost(0.1),
+        origin: "held accelerations: a burn at constant u gives up the flow of one interval",
+        noise: 0.0,
+    }
+    .holds(100.0 * high);
+    // As for the descent itself: no plan beats the optimum by more than its last digit.
+    assert!(low > -1e-5, "better than optimal by {low:.1e}");
+}
+
 /// A linear congruential generator (Knuth's MMIX constants) and a 12-fold sum for a normal deviate.
 struct Lcg(u64);
 

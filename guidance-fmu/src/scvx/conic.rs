@@ -8,6 +8,8 @@ use clarabel::solver::{
     SupportedConeT::{self, NonnegativeConeT, SecondOrderConeT, ZeroConeT},
 };
 
+use serde::Serialize;
+
 use super::error::PlanError;
 
 /// Feasibility and gap tolerance in scaled units; below 1e-9 the solver stalls without refinement.
@@ -26,8 +28,10 @@ impl Affine {
     }
 }
 
-/// A conic program assembled row by row in the solver's form b − A x ∈ K.
-pub(super) struct Program {
+/// A conic program assembled row by row in the solver's form b − A x ∈ K. Serialises as the diagonal
+/// of P, the cost, the entries of A as (column, row, value), b, and the cones in order of the rows.
+#[derive(Clone, Debug, Serialize)]
+pub struct Program {
     curvature: Vec<f64>,
     cost: Vec<f64>,
     entries: Vec<(usize, usize, f64)>,
@@ -36,7 +40,7 @@ pub(super) struct Program {
 }
 
 impl Program {
-    pub fn new(curvature: Vec<f64>, cost: Vec<f64>) -> Self {
+    pub(super) fn new(curvature: Vec<f64>, cost: Vec<f64>) -> Self {
         Self { curvature, cost, entries: Vec::new(), rhs: Vec::new(), cones: Vec::new() }
     }
 
@@ -46,7 +50,7 @@ impl Program {
         self.rhs.push(row.constant);
     }
 
-    pub fn zero(&mut self, row: Affine) {
+    pub(super) fn zero(&mut self, row: Affine) {
         self.push(row);
         match self.cones.last_mut() {
             Some(ZeroConeT(rows)) => *rows += 1,
@@ -54,7 +58,7 @@ impl Program {
         }
     }
 
-    pub fn nonnegative(&mut self, row: Affine) {
+    pub(super) fn nonnegative(&mut self, row: Affine) {
         self.push(row);
         match self.cones.last_mut() {
             Some(NonnegativeConeT(rows)) => *rows += 1,
@@ -63,26 +67,32 @@ impl Program {
     }
 
     /// ‖rows[1..]‖ ≤ rows[0].
-    pub fn second_order<const N: usize>(&mut self, rows: [Affine; N]) {
+    pub(super) fn second_order<const N: usize>(&mut self, rows: [Affine; N]) {
         rows.into_iter().for_each(|row| self.push(row));
         self.cones.push(SecondOrderConeT(N));
     }
 }
 
 /// Solution of one program.
-pub(super) struct Solution {
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Scaled variables.
     pub x: Vec<f64>,
+    /// Minimum in scaled units.
+    pub objective: f64,
+    /// Interior-point iterations.
     pub iterations: u32,
 }
 
 /// A factorisation kept for programs of one sparsity pattern; later programs update its data.
-pub(super) struct ConicSolver {
+pub struct ConicSolver {
     inner: DefaultSolver<f64>,
     /// Entry order of the program → column-major order of the solver.
     order: Vec<usize>,
 }
 
 impl ConicSolver {
+    /// Equilibrates and orders `program`. Errors: the solver's own, as [`PlanError::Solver`].
     pub fn new(program: &Program, max_iterations: u32) -> Result<Self, PlanError> {
         let columns = program.cost.len();
         let mut order: Vec<usize> = (0..program.entries.len()).collect();
@@ -121,7 +131,7 @@ impl ConicSolver {
         Ok(Self { inner, order })
     }
 
-    /// Solves `program`, which must have the pattern this solver was built with.
+    /// Solves `program`, which must have the pattern this solver was built with. Errors: as `new`.
     pub fn solve(&mut self, program: &Program) -> Result<Solution, PlanError> {
         let values: Vec<f64> = self.order.iter().map(|&k| program.entries[k].2).collect();
         let updated =
@@ -132,7 +142,8 @@ impl ConicSolver {
         match solution.status {
             // A reduced-accuracy step is judged by the roll-out like any other.
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                Ok(Solution { x: solution.x.clone(), iterations: solution.iterations })
+                let x = solution.x.clone();
+                Ok(Solution { x, objective: solution.obj_val, iterations: solution.iterations })
             }
             status => Err(PlanError::Solver { status: status.to_string() }),
         }

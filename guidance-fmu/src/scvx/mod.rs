@@ -15,9 +15,10 @@ mod subproblem;
 mod trajectory;
 mod verify;
 
+pub use conic::{ConicSolver, Program, Solution};
 pub use error::PlanError;
 pub use plan::{Phase, Plan, Report, Sample};
-pub use planner::{plan, replan};
+pub use planner::{plan, replan, subproblem};
 pub use problem::{FinalTilt, PathLimits, Problem, Reserve, Settings};
 pub use structure::Structure;
 pub use trajectory::Node;

@@ -1,7 +1,7 @@
 //! The successive-convexification loop: solve about the reference, roll out exactly, accept on
 //! merit, until the defect and the fuel change are small (G.18).
 
-use super::conic::ConicSolver;
+use super::conic::{ConicSolver, Program};
 use super::error::PlanError;
 use super::problem::{Problem, Settings};
 use super::structure::Grid;
@@ -82,12 +82,7 @@ pub(super) fn iterate(
     let mut reference = Trajectory::new(problem, grid, clamp_durations(grid, start));
     // The guess need not satisfy anything: the first step is always taken.
     let mut reference_merit = f64::INFINITY;
-    let mut local = Local {
-        trust: TRUST_START,
-        stiffness: STIFFNESS_START,
-        path_nodes: Vec::new(),
-        thrust_floor: false,
-    };
+    let mut local = first_local();
     let mut solver: Option<ConicSolver> = None;
 
     for _ in 0..settings.outer_max {
@@ -146,6 +141,21 @@ pub(super) fn iterate(
         }
     }
     Ok(Outcome { trajectory: reference, end: End::OutOfIterations })
+}
+
+/// The program of the first iteration from `start`.
+pub(super) fn first_program(problem: &Problem, grid: &Grid, start: Iterate) -> Program {
+    let reference = Trajectory::new(problem, grid, clamp_durations(grid, start));
+    Subproblem { problem, grid, scale: Scale::new(problem) }.build(&reference, &first_local())
+}
+
+fn first_local() -> Local {
+    Local {
+        trust: TRUST_START,
+        stiffness: STIFFNESS_START,
+        path_nodes: Vec::new(),
+        thrust_floor: false,
+    }
 }
 
 /// Fuel plus the penalised target, thrust and path defects, in scaled units.

@@ -1,5 +1,6 @@
 //! Cold and warm planning: which start, which structure, which error.
 
+use super::conic::Program;
 use super::error::PlanError;
 use super::outer_loop::{self, Budget, End, Outcome};
 use super::plan::{Plan, Report};
@@ -37,6 +38,18 @@ pub fn replan(
         Some(plan)
     });
     warm.map_or_else(|| cold(problem, settings, &mut budget), Ok)
+}
+
+/// The first conic program that [`replan`] solves, to measure solvers on; `None` when nothing of
+/// `last` is left.
+pub fn subproblem(
+    problem: &Problem,
+    settings: &Settings,
+    last: &Plan,
+    elapsed_s: f64,
+) -> Option<Program> {
+    let (grid, start) = start::from_plan(last, elapsed_s, settings)?;
+    Some(outer_loop::first_program(problem, &grid, start))
 }
 
 fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<Plan, PlanError> {

@@ -88,7 +88,8 @@ pub(super) fn accept(problem: &Problem, plan: &Plan) -> Result<(), PlanError> {
     if report.miss_m > MISS_MAX || report.miss_m_s > MISS_MAX {
         return Err(out_of_reach(problem, plan));
     }
-    if report.lossless_gap > LOSSLESS_GAP_MAX {
+    // Without a floor any ‖u‖ below σ is allowed, and σ is free where the engine idles.
+    if problem.thrust_min_n > 0.0 && report.lossless_gap > LOSSLESS_GAP_MAX {
         return Err(PlanError::NotLossless { gap: report.lossless_gap, limit: LOSSLESS_GAP_MAX });
     }
     let limit_n = THRUST_EXCURSION_MAX * problem.thrust_max_n;
