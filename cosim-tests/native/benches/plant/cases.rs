@@ -1,65 +1,83 @@
-//! The touchdowns that are timed: those of `touchdown_cosim.bench_mujoco`, by the same names.
+//! The touchdowns that are timed: `cosim-tests/benchmark.toml`, which `touchdown_cosim.bench_mujoco`
+//! reads too.
+
+use std::collections::HashMap;
 
 use cosim::touchdowns::{self, COLUMNS};
-use lander_models::frames::tilt_rad;
 use lander_models::scenario::ContactEngine;
 use lander_models::time::Ticks;
 use lander_models::{ConfigError, Vehicle};
-use truth_model::{State, TruthModel};
+use serde::Deserialize;
+use truth_model::TruthModel;
 
-/// A touchdown of BUG from just above the ground, engine off, that ends on its feet.
-pub struct Case {
-    pub name: &'static str,
-    /// As `COLUMNS`.
-    pub values: [f64; COLUMNS.len()],
-}
-
-#[rustfmt::skip]
-pub const CASES: [Case; 5] = [
-    // Propellant, gravity, down, across, travel; roll, pitch, yaw; rates; slope, downhill, pads.
-    Case { name: "flat", values: [
-        5.0, 1.625, 1.0, 0.3, 0.0,   0.0, 0.0, 0.0,   0.0, 0.0, 0.0,   0.0, 0.0, 0.6, 0.0,
-    ] },
-    Case { name: "two legs first, downhill", values: [
-        5.0, 1.625, 1.0, 0.6, 0.0,   0.0, 0.0, 0.0,   0.0, 0.0, 0.0,   8.0, 0.0, 0.6, 0.0,
-    ] },
-    Case { name: "one leg first, across", values: [
-        5.0, 1.625, 1.0, 0.6, 90.0,   0.0, 0.0, 45.0,   0.0, 0.0, 0.0,   8.0, 0.0, 0.6, 0.0,
-    ] },
-    Case { name: "tilted and turning", values: [
-        5.0, 1.625, 1.0, 0.3, 0.0,   3.0, -4.0, 0.0,   0.0, 5.0, 3.0,   0.0, 0.0, 0.6, 0.0,
-    ] },
-    Case { name: "rocking on held pads", values: [
-        5.0, 1.625, 1.0, 1.2, 0.0,   0.0, 0.0, 0.0,   0.0, 0.0, 0.0,   0.0, 0.0, 0.6, 1.0,
-    ] },
-];
+const FILE: &str = include_str!("../../../benchmark.toml");
 
 /// Who still moves after so long does not come to rest.
 const STOP_TIME: Ticks = Ticks(12_000);
 
-/// How a touchdown ended, to be compared.
-#[derive(Clone, Copy, Debug)]
-pub struct Rest {
-    pub place_w: nalgebra::Vector3<f64>,
-    pub tilt_deg: f64,
-    pub stroke_m: f64,
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    speed_factors: Vec<f64>,
+    base: HashMap<String, f64>,
+    touchdown: Vec<Touchdown>,
 }
 
-impl Rest {
-    pub fn of(state: &State) -> Self {
-        Self {
-            place_w: state.motion.position_w,
-            tilt_deg: tilt_rad(&state.motion.attitude_wb).to_degrees(),
-            stroke_m: state.touchdown.peak_stroke_m,
-        }
+#[derive(Deserialize)]
+struct Touchdown {
+    name: String,
+    #[serde(flatten)]
+    own: HashMap<String, f64>,
+}
+
+/// One touchdown with its speeds a little slower and a little faster.
+pub struct Family {
+    pub name: String,
+    /// As `COLUMNS`.
+    pub members: Vec<[f64; COLUMNS.len()]>,
+}
+
+/// # Errors
+/// The file is not TOML, or names a column that there is not or lacks one.
+pub fn families() -> Result<Vec<Family>, String> {
+    let table: Table = toml::from_str(FILE).map_err(|error| format!("benchmark.toml: {error}"))?;
+    table.touchdown.iter().map(|touchdown| family(&table, touchdown)).collect()
+}
+
+fn family(table: &Table, touchdown: &Touchdown) -> Result<Family, String> {
+    let Touchdown { name, own } = touchdown;
+    let mut named = table.base.clone();
+    named.extend(own.clone());
+    let is_column = |key: &str| COLUMNS.iter().any(|(column, _)| *column == key);
+    if let Some(key) = named.keys().find(|key| !is_column(key)) {
+        return Err(format!("benchmark.toml: touchdown `{name}`: key `{key}` is no column"));
     }
+    let mut values = [0.0; COLUMNS.len()];
+    for (value, (column, _)) in values.iter_mut().zip(COLUMNS) {
+        let lacks = || format!("benchmark.toml: touchdown `{name}`: lacks `{column}`");
+        *value = *named.get(column).ok_or_else(lacks)?;
+    }
+    let member = |factor: &f64| {
+        let mut member = values;
+        for (value, (column, _)) in member.iter_mut().zip(COLUMNS) {
+            if matches!(column, "down_m_s" | "across_m_s") {
+                *value *= factor;
+            }
+        }
+        member
+    };
+    Ok(Family { name: name.clone(), members: table.speed_factors.iter().map(member).collect() })
 }
 
-/// The case just clear of the ground.
+/// A member just clear of the ground.
 pub fn model(
     vehicle: &Vehicle,
-    case: &Case,
+    member: &[f64; COLUMNS.len()],
     engine: ContactEngine,
+    refinement: u32,
 ) -> Result<TruthModel, ConfigError> {
-    touchdowns::model(vehicle, engine, STOP_TIME, &case.values)
+    let model = touchdowns::model(vehicle, engine, STOP_TIME, member)?;
+    let mut scenario = model.scenario().clone();
+    scenario.contact_refinement = refinement;
+    Ok(TruthModel::new(scenario, vehicle.clone()))
 }

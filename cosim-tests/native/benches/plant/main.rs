@@ -1,74 +1,71 @@
 //! `cargo bench -p cosim --bench plant [-- --json]`: how fast flight and contact are, how far off, and
-//! against MuJoCo. One table in one run, on one core.
+//! against MuJoCo at the same error. One table in one run.
 
 mod cases;
 mod mujoco;
 mod table;
 mod timing;
+mod work_precision;
 
 use std::error::Error;
 use std::path::Path;
 
 use lander_models::Vehicle;
 use lander_models::scenario::ContactEngine;
-use table::Row;
+use mujoco::{Peer, Report};
+use table::{FLIGHT, Row};
+use timing::Series;
 
-const ENGINES: [(&str, ContactEngine); 2] =
-    [("rapier", ContactEngine::Rapier), ("strut", ContactEngine::Strut)];
-
-fn flight_row(engine: &str, step_us: f64) -> Row {
-    Row {
-        engine: engine.to_owned(),
-        case: "flight".to_owned(),
-        step_ms: 1.0,
-        step_us,
-        to_rest_ms: None,
-        place_error_m: None,
-        tilt_error_deg: None,
-        stroke_error_percent: None,
-        ratio_to_mujoco: None,
-    }
-}
-
-fn peer_rows(peer: &mujoco::Peer) -> Vec<Row> {
-    let contact = peer.rows.iter().filter_map(|row| {
-        let end = row.end.as_ref()?;
-        Some(Row {
-            engine: "mujoco".to_owned(),
-            case: row.name.clone(),
-            step_ms: row.step_ms,
-            step_us: end.step_us_min,
-            to_rest_ms: Some(1e-3 * end.step_us_min * f64::from(end.steps)),
-            place_error_m: Some(end.position_error_m),
-            tilt_error_deg: Some(end.tilt_error_deg),
-            stroke_error_percent: Some(100.0 * end.peak_stroke_error.abs()),
-            ratio_to_mujoco: None,
-        })
-    });
-    std::iter::once(flight_row("mujoco", peer.flight_us)).chain(contact).collect()
-}
+/// Every time is the least of so many.
+const ROUNDS: u32 = 3;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let json = std::env::args().any(|word| word == "--json");
     let vehicles = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/vehicles");
     let vehicle_file = vehicles.join("bug.toml");
     let vehicle = Vehicle::load(&vehicle_file)?;
-    let mut rows = vec![flight_row("flight", timing::flight_us(&vehicle)?)];
-    for (name, engine) in ENGINES {
-        for case in &cases::CASES {
-            eprintln!("{name}: {}", case.name);
-            rows.push(timing::touchdown(&vehicle, case, engine, name)?);
+    let families = cases::families()?;
+    let flown = families.first().and_then(|family| family.members.first()).ok_or("no touchdown")?;
+    let flown = cases::model(&vehicle, flown, ContactEngine::Rapier, 1)?;
+
+    // MuJoCo finds its errors meanwhile.
+    let mut peer = Peer::start(&vehicle_file);
+    let mut series = Vec::new();
+    for family in &families {
+        eprintln!("errors: {}", family.name);
+        series.extend(Series::of_family(&vehicle, family)?);
+    }
+    let mut flight_us = f64::INFINITY;
+    for round in 1..=ROUNDS {
+        // In turns, so that a busy machine slows both.
+        flight_us = flight_us.min(timing::flight_us(&vehicle, &flown)?);
+        peer = peer.and_then(|peer| peer.time(FLIGHT));
+        for family in &families {
+            eprintln!("times, {round} of {ROUNDS}: {}", family.name);
+            for series in series.iter_mut().filter(|series| series.case == family.name) {
+                series.time()?;
+            }
+            peer = peer.and_then(|peer| peer.time(&family.name));
         }
     }
-    eprintln!("MuJoCo");
-    let peer = mujoco::run(&vehicle_file);
-    let peers = peer.as_ref().map(peer_rows).unwrap_or_default();
+
+    let peer = peer.and_then(Peer::report);
+    let peers = peer.as_ref().map(Report::rows).unwrap_or_default();
+    let ours = series.iter().map(Series::row);
+    let mut rows: Vec<Row> =
+        std::iter::once(Row::flight("flight", flight_us)).chain(ours).collect();
     table::compare(&mut rows, &peers);
     rows.extend(peers);
+    let order = |row: &Row| families.iter().position(|family| family.name == row.case);
+    rows.sort_by_key(order);
     if json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
+        let mujoco = peer.as_ref().map(|peer| &peer.version);
+        let all = serde_json::json!({
+            "mujoco": mujoco.ok(), "mujoco_missing": mujoco.err(), "rows": rows,
+        });
+        println!("{}", serde_json::to_string_pretty(&all)?);
     } else {
-        table::print(&rows, &peer.map(|peer| peer.version));
+        table::print(&rows, &peer);
     }
     Ok(())
 }

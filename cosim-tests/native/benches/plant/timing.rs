@@ -1,82 +1,149 @@
-//! Times on the monotonic clock: the least of several runs, which is the machine undisturbed.
+//! The kit's own engines: errors against many steps within each of their own, and CPU times of the one
+//! thread, which a busy machine distorts least.
 
 use std::error::Error;
-use std::time::Instant;
+use std::time::Duration;
 
+use lander_models::frames::tilt_rad;
 use lander_models::scenario::ContactEngine;
 use lander_models::time::TICK_S;
-use lander_models::{Outcome, Vehicle};
+use lander_models::{ModelError, Outcome, Vehicle};
 use nalgebra::Vector3;
+use nix::time::{ClockId, clock_gettime};
+use rayon::prelude::*;
 use truth_model::flight::{advance, free};
 use truth_model::propulsion::Drive;
 use truth_model::{State, TruthModel};
 
-use crate::cases::{self, CASES, Case, Rest};
-use crate::table::Row;
+use crate::cases::{self, Family};
+use crate::table::{Errors, Row};
 
-const RUNS: usize = 5;
-/// Steps of the reference of an error within one of the engine's own.
-pub const REFINEMENT: u32 = 16;
+pub const ENGINES: [(&str, ContactEngine); 2] =
+    [("rapier", ContactEngine::Rapier), ("strut", ContactEngine::Strut)];
+/// Contact steps of a tick.
+pub const REFINEMENTS: [u32; 2] = [1, 2];
+/// Of the reference of an error.
+pub const REFERENCE_REFINEMENT: u32 = 16;
 
-/// The flight integrator alone, microseconds a step.
-pub fn flight_us(vehicle: &Vehicle) -> Result<f64, Box<dyn Error>> {
-    const STEPS: u32 = 100_000;
-    let model = cases::model(vehicle, &CASES[0], ContactEngine::Rapier)?;
-    let drive = Drive { thrust_target_n: 2500.0, ..Drive::default() };
-    let gravity_w = Vector3::z() * -model.scenario().gravity_m_s2;
-    let run = || {
-        let mut motion = model.initial_state().motion;
-        motion.rate_b = Vector3::new(0.02, 0.05, -0.03);
-        let start = Instant::now();
-        for _ in 0..STEPS {
-            motion = advance(vehicle, &gravity_w, &motion, &drive, TICK_S, free);
-        }
-        let elapsed_us = start.elapsed().as_secs_f64() * 1e6;
-        std::hint::black_box(motion);
-        elapsed_us / f64::from(STEPS)
-    };
-    Ok((0..RUNS).map(|_| run()).fold(f64::INFINITY, f64::min))
+/// CPU time that this thread has taken, s.
+fn cpu_s() -> Result<f64, nix::Error> {
+    let now = clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)?;
+    Ok(Duration::from(now).as_secs_f64())
 }
 
-/// From just above the ground to the verdict: the end, milliseconds and ticks.
-fn touch_down(model: &TruthModel) -> Result<(State, f64, u32), Box<dyn Error>> {
+/// The flight integrator alone, microseconds a step.
+pub fn flight_us(vehicle: &Vehicle, model: &TruthModel) -> Result<f64, nix::Error> {
+    const STEPS: u32 = 100_000;
+    let drive = Drive { thrust_target_n: 2500.0, ..Drive::default() };
+    let gravity_w = Vector3::z() * -model.scenario().gravity_m_s2;
+    let mut motion = model.initial_state().motion;
+    motion.rate_b = Vector3::new(0.02, 0.05, -0.03);
+    let start_s = cpu_s()?;
+    for _ in 0..STEPS {
+        motion = advance(vehicle, &gravity_w, &motion, &drive, TICK_S, free);
+    }
+    let elapsed_s = cpu_s()? - start_s;
+    std::hint::black_box(motion);
+    Ok(1e6 * elapsed_s / f64::from(STEPS))
+}
+
+/// From just above the ground to the verdict: the end, and how many ticks.
+fn touch_down(model: &TruthModel) -> Result<(State, u32), ModelError> {
     let mut state = model.initial_state();
-    let start = Instant::now();
     let mut ticks = 1;
     while !model.tick(&mut state)?.terminate {
         ticks += 1;
     }
-    Ok((state, start.elapsed().as_secs_f64() * 1e3, ticks))
+    Ok((state, ticks))
 }
 
-/// One touchdown with one engine: its time, and its error against the same engine on finer steps.
-pub fn touchdown(
-    vehicle: &Vehicle,
-    case: &Case,
-    engine: ContactEngine,
-    name: &str,
-) -> Result<Row, Box<dyn Error>> {
-    let model = cases::model(vehicle, case, engine)?;
-    let (mut end, mut least_ms, mut ticks) = touch_down(&model)?;
-    for _ in 1..RUNS {
-        let (state, ms, count) = touch_down(&model)?;
-        least_ms = least_ms.min(ms);
-        (end, ticks) = (state, count);
+/// A family on one engine with one step.
+pub struct Series {
+    pub engine: &'static str,
+    pub case: String,
+    refinement: u32,
+    models: Vec<TruthModel>,
+    errors: Errors,
+    ticks: u32,
+    /// Per member, the least so far.
+    cpu_s: Vec<f64>,
+}
+
+impl Series {
+    /// Every series of a family, ready to be timed. One that does not bring each member to rest is none.
+    pub fn of_family(vehicle: &Vehicle, family: &Family) -> Result<Vec<Self>, Box<dyn Error>> {
+        let mut all = Vec::new();
+        for (name, engine) in ENGINES {
+            let models = |refinement| {
+                let model = |member| cases::model(vehicle, member, engine, refinement);
+                family.members.iter().map(model).collect::<Result<Vec<_>, _>>()
+            };
+            let exact = ends(&models(REFERENCE_REFINEMENT)?)?
+                .ok_or_else(|| format!("{name}: {}: the reference does not rest", family.name))?;
+            for refinement in REFINEMENTS {
+                let models = models(refinement)?;
+                let Some(ends) = ends(&models)? else { continue };
+                all.push(Self {
+                    engine: name,
+                    case: family.name.clone(),
+                    refinement,
+                    errors: errors(&ends, &exact),
+                    ticks: ends.iter().map(|(_, ticks)| ticks).sum(),
+                    cpu_s: vec![f64::INFINITY; models.len()],
+                    models,
+                });
+            }
+        }
+        Ok(all)
     }
-    let mut scenario = model.scenario().clone();
-    scenario.contact_refinement = REFINEMENT;
-    let (fine, _, _) = touch_down(&TruthModel::new(scenario, vehicle.clone()))?;
-    let landed = end.touchdown.outcome == Outcome::Landed;
-    let (rest, fine) = (Rest::of(&end), Rest::of(&fine));
-    Ok(Row {
-        engine: name.to_owned(),
-        case: case.name.to_owned(),
-        step_ms: 1e3 * TICK_S,
-        step_us: 1e3 * least_ms / f64::from(ticks),
-        to_rest_ms: landed.then_some(least_ms),
-        place_error_m: Some((rest.place_w - fine.place_w).norm()),
-        tilt_error_deg: Some((rest.tilt_deg - fine.tilt_deg).abs()),
-        stroke_error_percent: Some(100.0 * (rest.stroke_m / fine.stroke_m - 1.0).abs()),
-        ratio_to_mujoco: None,
-    })
+
+    /// Once more to rest, each member.
+    pub fn time(&mut self) -> Result<(), Box<dyn Error>> {
+        for (model, least_s) in self.models.iter().zip(&mut self.cpu_s) {
+            let start_s = cpu_s()?;
+            std::hint::black_box(touch_down(model)?);
+            *least_s = least_s.min(cpu_s()? - start_s);
+        }
+        Ok(())
+    }
+
+    pub fn row(&self) -> Row {
+        let total_s: f64 = self.cpu_s.iter().sum();
+        let refinement = f64::from(self.refinement);
+        Row {
+            engine: self.engine.to_owned(),
+            case: self.case.clone(),
+            step_ms: 1e3 * TICK_S / refinement,
+            step_us: 1e6 * total_s / (f64::from(self.ticks) * refinement),
+            to_rest_ms: Some(1e3 * total_s / self.models.len() as f64),
+            errors: Some(self.errors),
+            ..Row::default()
+        }
+    }
+}
+
+/// How each ends; `None` if one does not land.
+fn ends(models: &[TruthModel]) -> Result<Option<Vec<(State, u32)>>, ModelError> {
+    let ends: Vec<_> = models.par_iter().map(touch_down).collect::<Result<_, _>>()?;
+    let landed = ends.iter().all(|(end, _)| end.touchdown.outcome == Outcome::Landed);
+    Ok(landed.then_some(ends))
+}
+
+/// Root mean squares.
+fn errors(ends: &[(State, u32)], exact: &[(State, u32)]) -> Errors {
+    let rms = |error: fn(&State, &State) -> f64| {
+        let squares =
+            ends.iter().zip(exact).map(|((end, _), (exact, _))| error(end, exact).powi(2));
+        (squares.sum::<f64>() / ends.len() as f64).sqrt()
+    };
+    Errors {
+        place_m: rms(|end, exact| (end.motion.position_w - exact.motion.position_w).norm()),
+        tilt_deg: rms(|end, exact| {
+            let tilt_deg = |state: &State| tilt_rad(&state.motion.attitude_wb).to_degrees();
+            tilt_deg(end) - tilt_deg(exact)
+        }),
+        stroke_percent: rms(|end, exact| {
+            100.0 * (end.touchdown.peak_stroke_m / exact.touchdown.peak_stroke_m - 1.0)
+        }),
+    }
 }
