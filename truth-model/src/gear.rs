@@ -26,18 +26,19 @@ pub fn crush_load_n(strut: &Strut, stroke_m: f64) -> f64 {
     if stroke_m < strut.stroke_1_m { strut.crush_1_n } else { strut.crush_2_n }
 }
 
-/// Load of a strut in a step that began at `cap_n` and `crushed_m`, N (T.10): never pulls. The stop
-/// is not in it.
+/// Load of a strut in a step that began at `cap_n` and `crushed_m`, N (T.10): it pulls at most with
+/// `foot_weight_n`, what hangs on it. The stop is not in it.
 pub fn strut_load_n(
     strut: &Strut,
     cap_n: f64,
     crushed_m: f64,
     stroke_m: f64,
     rate_m_s: f64,
+    foot_weight_n: f64,
 ) -> f64 {
     let crushed_m = crushed_after(strut, cap_n, crushed_m, stroke_m);
     let load_n = strut.stiffness_n_m * (stroke_m - crushed_m) + strut.damping_n_s_m * rate_m_s;
-    load_n.clamp(0.0, crush_load_n(strut, stroke_m))
+    load_n.max(-foot_weight_n).min(crush_load_n(strut, stroke_m))
 }
 
 /// Plastic stroke after a tick that led to `stroke_m` with the strut's force capped at `cap_n`

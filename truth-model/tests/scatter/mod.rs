@@ -88,13 +88,9 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
         + weight_n * motion.point_position_w(&mass.com_b).z;
     // ... corrected for where the feet are, how they move, and what struts and pads store.
     let gear = &vehicle.gear;
-    // The strut engine's load counts for more, as its feet have no mass (T.37).
-    let (sprung, grips_j) = if let Some(Contact::Strut(contact)) = &state.contact {
-        let standing = state.feet_down.iter().filter(|down| **down).count() as f64;
-        let sprung_kg = mass.mass_kg - standing * gear.foot_mass_kg;
-        (mass.mass_kg / sprung_kg, contact.grip_energy_j())
-    } else {
-        (1.0, 0.0)
+    let grips_j = match &state.contact {
+        Some(Contact::Strut(contact)) => contact.grip_energy_j(),
+        _ => 0.0,
     };
     let strokes = gear.legs.iter().zip(before.legs.iter().zip(&state.legs));
     let legs_j: f64 = strokes
@@ -109,7 +105,7 @@ pub fn mechanical_energy_j(model: &TruthModel, before: &State, state: &State) ->
                 0.5 * gear.foot_mass_kg * (speed_w.norm_squared() - free_speed_w.norm_squared());
             let lift_j = gear.foot_mass_kg * gravity_m_s2 * now.stroke_m * axis_w.z;
             let strain_m = now.stroke_m - now.crushed_m;
-            kinetic_j + lift_j + 0.5 * leg.strut.stiffness_n_m * strain_m * strain_m * sprung
+            kinetic_j + lift_j + 0.5 * leg.strut.stiffness_n_m * strain_m * strain_m
         })
         .sum();
     rigid_j + legs_j + grips_j + pressed_j(model, state)

@@ -2,7 +2,8 @@
 //! struts, friction by anchors (T.30 to T.37). The reference engine's laws at a fraction of its
 //! cost, for large campaigns.
 
-mod capture;
+mod blow;
+mod inertia;
 mod pad;
 mod soil;
 mod structure;
@@ -11,18 +12,23 @@ use lander_models::mass::MassProperties;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
 use lander_models::vehicle::Gear;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{ContactEngine, Site, Touch};
 use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Drive, Wrench};
+use inertia::{split, stack};
 use pad::{Grip, Pad, Shares, Stiffest};
 use structure::Bumpers;
 
 /// Steps of a tick in which a strut may reach its stop: the stop is as stiff as a step carries.
 const STOP_STEPS: u32 = 8;
+/// Steps of a tick in which a strut strokes faster than this, m/s: pads then grip hard, and a soft
+/// grip lets held ones turn the vehicle over.
+const STROKE_STEPS: u32 = 4;
+const GENTLE_M_S: f64 = 0.1;
 /// Step times the fastest rate of a vehicle that grips or stands on its stops: Runge-Kutta is stable
 /// up to 2.785.
 const STIFFEST_STEP: f64 = 2.5;
@@ -73,9 +79,10 @@ impl Forces {
         self.torque_b += point_b.cross(force_b);
     }
 
-    fn about(&self, com_b: &Vector3<f64>) -> Wrench {
-        let torque_b = self.torque_b - com_b.cross(&self.force_b);
-        Wrench { force_b: self.force_b, torque_b }
+    /// What the whole vehicle would need for the motion that they give one without its feet.
+    fn about(&self, com_b: &Vector3<f64>, count: &Matrix6<f64>) -> Wrench {
+        let [force_b, torque_b] = split(&(count * stack(&self.force_b, &self.torque_b)));
+        Wrench { force_b, torque_b: torque_b - com_b.cross(&force_b) }
     }
 }
 
@@ -87,19 +94,28 @@ fn stiffest(gear: &Gear, mass: &MassProperties, step_s: f64) -> Stiffest {
     let reach_m2 = reach_m2.fold(0.0, f64::max);
     let height_m2 = mass.com_b.z * mass.com_b.z;
     let [x, y, z] = [0, 1, 2].map(|axis| mass.inertia_b[(axis, axis)] / mass.mass_kg);
+    // Legs around the vehicle share r² between two axes; feet on the ground don't pitch (T.37).
+    let feet = gear.foot_mass_kg * gear.legs.len() as f64 / mass.mass_kg;
+    let pitch = x.min(y) - 0.5 * feet * reach_m2;
     // Yaw, or the pads' sliding with pitch (T.32).
-    let grip = (reach_m2 / z).max(1.0 + height_m2 / x.min(y));
-    // Heave, or pitch: legs around the vehicle share r² between two axes (T.31).
-    let stop = (0.5 * reach_m2 / x.min(y)).max(1.0);
+    let grip = (reach_m2 / z).max(1.0 + height_m2 / pitch);
+    // Heave, or pitch (T.31).
+    let stop = (0.5 * reach_m2 / pitch).max(1.0 / (1.0 - feet));
     let rad_s = |lever: f64| STIFFEST_STEP / (2.0 * lever * step_s);
     Stiffest { grip_rad_s: rad_s(grip), stop_rad_s: rad_s(stop) }
 }
 
-/// Whether a strut may reach its stop within two ticks, or is on it.
-fn stop_is_near(gear: &Gear, legs: &[LegState]) -> bool {
-    gear.legs.iter().zip(legs).any(|(leg, now)| {
+/// Steps of a tick by what the struts do.
+fn steps(gear: &Gear, legs: &[LegState]) -> u32 {
+    let stop_is_near = gear.legs.iter().zip(legs).any(|(leg, now)| {
         now.stroke_m + 2.0 * TICK_S * now.stroke_rate_m_s.max(0.0) > leg.strut.stroke_max_m
-    })
+    });
+    let stroking = legs.iter().any(|leg| leg.stroke_rate_m_s.abs() > GENTLE_M_S);
+    match () {
+        () if stop_is_near => STOP_STEPS,
+        () if stroking => STROKE_STEPS,
+        () => 1,
+    }
 }
 
 impl StrutContact {
@@ -109,31 +125,60 @@ impl StrutContact {
         0.5 * self.grip_n_m * slips_m2.sum::<f64>()
     }
 
-    /// Lets the pads that meet the ground stand on it; whether one did. Captured ones stop the
-    /// vehicle on all that hold.
+    /// Sets the grips' stiffness. A stiffer one holds with the force that it had, a softer one keeps
+    /// the energy: neither makes any.
+    fn stiffen(&mut self, grip_n_m: f64) {
+        let ratio = self.grip_n_m / grip_n_m;
+        let scale = if ratio < 1.0 { ratio } else { ratio.sqrt() };
+        self.grips.iter_mut().for_each(|grip| grip.scale(scale));
+        self.grip_n_m = grip_n_m;
+    }
+
+    /// Lets the pads that meet the ground stand on it, with the blow that they take; whether one did.
     fn stand<'a, I>(
         &mut self,
         site: &Site,
         motion: &mut Motion,
-        mass: &MassProperties,
+        whole: &Matrix6<f64>,
         pads: impl Fn() -> I,
     ) -> bool
     where
         I: Iterator<Item = &'a Pad<'a>>,
     {
-        let mut new = false;
-        for (grip, pad) in self.grips.iter_mut().zip(pads()) {
+        let mut new = [false; FOOT_SLOTS];
+        for ((grip, pad), new) in self.grips.iter_mut().zip(pads()).zip(&mut new) {
             if pad.meets_ground(motion) {
                 *grip = Grip::fresh();
-                new = true;
+                *new = true;
             }
         }
-        if new && site.terrain.pads_captured {
-            let foot_kg = site.vehicle.gear.foot_mass_kg;
-            let held = pads().zip(&self.grips).filter(|(_, grip)| grip.holds());
-            *motion = capture::stop(motion, mass, held.map(|(pad, _)| pad.hold(motion, foot_kg)));
+        if !new.contains(&true) {
+            return false;
         }
-        new
+        let foot_kg = site.vehicle.gear.foot_mass_kg;
+        let captured = site.terrain.pads_captured;
+        let friction = if captured { f64::INFINITY } else { site.terrain.friction };
+        let struck = pads().zip(&self.grips).zip(new);
+        let struck = struck.filter(|((_, grip), new)| *new || captured && grip.holds());
+        let holds = struck.map(|((pad, _), _)| pad.hold(motion, foot_kg, friction));
+        let body = self.without_feet(site, whole, pads());
+        *motion = blow::stop(motion, &body, holds);
+        true
+    }
+
+    /// Inertia less the feet on the ground (T.37).
+    fn without_feet<'a>(
+        &self,
+        site: &Site,
+        whole: &Matrix6<f64>,
+        pads: impl Iterator<Item = &'a Pad<'a>>,
+    ) -> Matrix6<f64> {
+        let mut body = *whole;
+        for (pad, _) in pads.zip(&self.grips).filter(|(_, grip)| grip.holds()) {
+            let foot_kg = site.vehicle.gear.foot_mass_kg;
+            inertia::take_foot(&mut body, foot_kg, &pad.centre_b(), &pad.stroke_axis_b());
+        }
+        body
     }
 }
 
@@ -151,29 +196,30 @@ impl ContactEngine for StrutContact {
         drive: &Drive,
     ) -> Option<Touch> {
         let vehicle = site.vehicle;
-        let steps = if stop_is_near(&vehicle.gear, legs) { STOP_STEPS } else { 1 };
-        let longest_s = TICK_S / f64::from(steps * site.refinement);
+        let longest_s = TICK_S / f64::from(steps(&vehicle.gear, legs) * site.refinement);
         let mass = vehicle.mass.at(motion.propellant_kg);
-        let mass_kg = mass.mass_kg;
+        let (mass_kg, whole) = (mass.mass_kg, inertia::whole(&mass));
         let stiffest = stiffest(&vehicle.gear, &mass, longest_s);
         let share_kg = mass_kg / legs.len() as f64;
-        self.grip_n_m = share_kg * stiffest.grip_rad_s * stiffest.grip_rad_s;
+        self.stiffen(share_kg * stiffest.grip_rad_s * stiffest.grip_rad_s);
         let bumpers = Bumpers::new(site, motion, mass_kg);
         let mut touch = Touch::default();
         let mut left_s = TICK_S;
         let mut cuts = 0;
         while left_s > 0.0 {
-            let standing = self.grips.iter().filter(|grip| grip.holds()).count().max(1);
-            let sprung_kg = mass_kg - vehicle.gear.foot_mass_kg * standing as f64;
             let pads: [Option<Pad>; FOOT_SLOTS] = std::array::from_fn(|n| {
                 let (leg, grip) = (vehicle.gear.legs.get(n)?, &self.grips[n]);
-                let shares = Shares { share_kg, sprung: mass_kg / sprung_kg, stiffest };
+                let shares = Shares { share_kg, stiffest };
                 Some(Pad::new(site, leg, motion, legs[n], grip, shares))
             });
             let pads = || pads.iter().flatten();
-            if self.stand(site, motion, &mass, pads) {
+            if self.stand(site, motion, &whole, pads) {
                 continue;
             }
+            let body = self.without_feet(site, &whole, pads());
+            // What a wrench of the ground counts for the whole vehicle. A vehicle file admits no feet
+            // as heavy as the vehicle.
+            let count = body.try_inverse().map_or(Matrix6::identity(), |inverse| whole * inverse);
             // What rounding leaves of a tick is no step of its own.
             let mut step_s = if left_s < 1.5 * longest_s { left_s } else { longest_s };
             let blow_s = pads()
@@ -187,18 +233,24 @@ impl ContactEngine for StrutContact {
             let outside = |stage: &Motion| {
                 let (mut forces, stance) = (Forces::default(), Stance::of(stage));
                 for force in pads().filter_map(|pad| pad.force(site, &stance)) {
-                    forces.add(&force.ground_b, &force.point_b);
+                    forces.add(&force.on_vehicle_b, &force.point_b);
                 }
                 bumpers.press(site, &stance, &mut forces);
-                forces.about(&vehicle.mass.at(stage.propellant_kg).com_b)
+                forces.about(&vehicle.mass.at(stage.propellant_kg).com_b, &count)
             };
             *motion = flight::advance(vehicle, &site.gravity_w, motion, drive, step_s, outside);
             if !motion.is_finite() {
                 return None;
             }
+            let mut lifted = false;
             for (n, pad) in pads().enumerate() {
+                let stood = self.grips[n].holds();
                 legs[n] = pad.settle(site, motion, step_s, &mut self.grips[n]);
-                touch.feet[n] |= legs[n].load_n > 0.0;
+                touch.feet[n] |= self.grips[n].holds();
+                lifted |= stood && !self.grips[n].holds();
+            }
+            if lifted {
+                *motion = blow::lift(motion, &body, &self.without_feet(site, &whole, pads()));
             }
             left_s -= step_s;
         }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Footing, Site};
-use super::capture::Hold;
+use super::blow::Hold;
 use super::soil::Bed;
 use super::{BLOW_TIME_MIN_S, Stance};
 use crate::flight::Motion;
@@ -15,6 +15,8 @@ use crate::gear::{LegState, crush_load_n, crushed_after, strut_load_n};
 /// A pad so near and no faster away is on the ground: rounding of a start on it, m and m/s.
 const MEET_GAP_M: f64 = 1e-9;
 const MEET_SPEED_M_S: f64 = 1e-9;
+/// A pad just torn off follows the ground as its strut springs back; pressed deeper it stands, m.
+const PUSH_GAP_M: f64 = 1e-4;
 /// A leg flatter to the ground than this carries nothing along its axis (cosine).
 const FLAT: f64 = 0.05;
 
@@ -36,6 +38,10 @@ impl Grip {
         self.slip_w.map_or(0.0, |slip_w| slip_w.norm())
     }
 
+    pub fn scale(&mut self, by: f64) {
+        self.slip_w = self.slip_w.map(|slip_w| slip_w * by);
+    }
+
     pub fn holds(&self) -> bool {
         self.slip_w.is_some()
     }
@@ -46,8 +52,6 @@ impl Grip {
 pub struct Shares {
     /// Of its mass on one leg.
     pub share_kg: f64,
-    /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
-    pub sprung: f64,
     pub stiffest: Stiffest,
 }
 
@@ -78,8 +82,8 @@ pub struct Pad<'a> {
     grip_n_s_m: f64,
     stop_n_m: f64,
     stop_n_s_m: f64,
-    /// What a strut's load counts for the whole vehicle: feet on the ground are not braked by it.
-    sprung: f64,
+    /// Of the foot, along the strut, unless it is on its head.
+    foot_weight_n: f64,
     bed: Bed,
     /// Of the pad at no stroke.
     start_clearance_m: f64,
@@ -87,9 +91,10 @@ pub struct Pad<'a> {
 
 /// A pad's force at one instant.
 pub struct PadForce {
+    pub on_vehicle_b: Vector3<f64>,
     /// Of the ground on the pad.
-    pub ground_b: Vector3<f64>,
-    /// Where it acts, from O.
+    ground_b: Vector3<f64>,
+    /// Where both act, from O.
     pub point_b: Vector3<f64>,
     stroke_m: f64,
     stroke_rate_m_s: f64,
@@ -106,7 +111,7 @@ impl<'a> Pad<'a> {
         motion: &Motion,
         start: LegState,
         grip: &Grip,
-        Shares { share_kg, sprung, stiffest }: Shares,
+        Shares { share_kg, stiffest }: Shares,
     ) -> Self {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
@@ -129,7 +134,8 @@ impl<'a> Pad<'a> {
             grip_n_s_m: 2.0 * share_kg * grip_rad_s,
             stop_n_m: share_kg * stop_rad_s * stop_rad_s,
             stop_n_s_m: 2.0 * share_kg * stop_rad_s,
-            sprung,
+            foot_weight_n: -gear.foot_mass_kg
+                * site.gravity_w.dot(&(motion.attitude_wb * leg.stroke_axis_b)).min(0.0),
             bed: Bed::HARD,
             start_clearance_m: footing.clearance_m(&motion.point_position_w(&centre_b)),
         };
@@ -143,10 +149,9 @@ impl<'a> Pad<'a> {
     fn bed(&self, soil: &Soil, radius_m: f64, motion: &Motion) -> Bed {
         let normal_w = self.footing.normal_w;
         let rise = normal_w.dot(&(motion.attitude_wb * self.leg.stroke_axis_b)).max(FLAT);
-        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
+        let pad_b = self.centre_b();
         let closing_m_s = -normal_w.dot(&motion.point_velocity_w(&pad_b));
-        let load_n =
-            |rate_m_s: f64| self.axial_n(self.start.stroke_m, rate_m_s / rise) * self.sprung / rise;
+        let load_n = |rate_m_s: f64| self.axial_n(self.start.stroke_m, rate_m_s / rise) / rise;
         Bed::new(soil, radius_m, self.start.sinkage_m, closing_m_s, load_n)
     }
 
@@ -168,26 +173,34 @@ impl<'a> Pad<'a> {
         let (gap_m, closing_m_s) = self.approach(motion);
         let near = gap_m <= MEET_GAP_M.max(closing_m_s * BLOW_TIME_MIN_S);
         let pushes =
-            || gap_m < -MEET_GAP_M && self.axial_n(self.start.stroke_m - gap_m, closing_m_s) > 0.0;
+            || gap_m < -PUSH_GAP_M && self.axial_n(self.start.stroke_m - gap_m, closing_m_s) > 0.0;
         !self.standing && near && (closing_m_s > -MEET_SPEED_M_S || pushes())
     }
 
+    pub fn stroke_axis_b(&self) -> Vector3<f64> {
+        self.leg.stroke_axis_b
+    }
+
+    /// Its centre, from O.
+    pub fn centre_b(&self) -> Vector3<f64> {
+        self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m
+    }
+
     /// As the body sees a pad that holds; the foot of one that stands has stopped already.
-    pub fn hold(&self, motion: &Motion, foot_kg: f64) -> Hold {
+    pub fn hold(&self, motion: &Motion, foot_kg: f64, friction: f64) -> Hold {
         let normal_b = motion.attitude_wb.inverse_transform_vector(&self.footing.normal_w);
         let stroke_axis_b = self.leg.stroke_axis_b;
-        let pad_b = self.centre_b + stroke_axis_b * self.start.stroke_m;
-        let point_b = pad_b - normal_b * self.radius_m;
+        let point_b = self.centre_b() - normal_b * self.radius_m;
         let velocity_b =
             motion.attitude_wb.inverse_transform_vector(&motion.point_velocity_w(&point_b));
         let down_m_s = if self.standing { 0.0 } else { -velocity_b.dot(&stroke_axis_b).min(0.0) };
         let foot_n_s = foot_kg * down_m_s * normal_b.dot(&stroke_axis_b).max(0.0);
-        Hold { point_b, stroke_axis_b, normal_b, foot_n_s }
+        Hold { point_b, stroke_axis_b, normal_b, foot_n_s, friction }
     }
 
     /// Gap between pad and ground, m, and the speed at which it closes, m/s.
     fn approach(&self, motion: &Motion) -> (f64, f64) {
-        let pad_b = self.centre_b + self.leg.stroke_axis_b * self.start.stroke_m;
+        let pad_b = self.centre_b();
         let gap_m = self.footing.clearance_m(&motion.point_position_w(&pad_b)) - self.radius_m
             + self.bed.sinkage_m;
         (gap_m, -self.footing.normal_w.dot(&motion.point_velocity_w(&pad_b)))
@@ -213,29 +226,33 @@ impl<'a> Pad<'a> {
         // What the soil takes of the way down the strut does not.
         let stroke_rate_m_s = -body_b.dot(&normal_b) / rise * (1.0 - self.bed.share);
         let load_n = self.axial_n(stroke_m, stroke_rate_m_s);
-        if load_n <= 0.0 {
+        // The ground bears strut and foot.
+        let borne_n = load_n + self.foot_weight_n;
+        if borne_n <= 0.0 {
             return None;
         }
-        // (T.37) The feet on the ground have stopped already.
-        let axial_n = load_n * self.sprung;
         // (T.32) Spring and damper along the ground.
         let anchor_b = stance.to_body * (self.anchor_w - stance.origin_w);
         let slip_b = tangential(&(self.touch_b + axis_b * stroke_m - anchor_b), &normal_b);
         let slip_m_s = tangential(&(body_b + axis_b * stroke_rate_m_s), &normal_b);
         let hold_b = slip_b * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
-        // (T.33) Along the strut's axis ground force and strut balance on the massless pad.
-        let sticking_n = (axial_n - hold_b.dot(axis_b)) / rise;
+        // (T.33) Along the strut's axis ground and strut balance on the pad.
+        let normal_n =
+            |axial_n: f64, along_b: &Vector3<f64>| (axial_n - along_b.dot(axis_b)) / rise;
         let hold_n = hold_b.norm();
         let friction = site.pad_friction();
-        let (normal_n, friction_b) = if hold_n <= friction * sticking_n {
-            (sticking_n, hold_b)
+        let friction_b = if hold_n <= friction * normal_n(borne_n, &hold_b) {
+            hold_b
         } else {
             let direction_b = hold_b / hold_n;
-            let normal_n = axial_n / (rise + friction * direction_b.dot(axis_b)).max(FLAT);
-            (normal_n, direction_b * (friction * normal_n))
+            direction_b
+                * (friction * borne_n / (rise + friction * direction_b.dot(axis_b)).max(FLAT))
         };
+        let on_vehicle_b = normal_b * normal_n(load_n, &friction_b) + friction_b;
+        let normal_n = normal_n(borne_n, &friction_b);
         let ground_b = normal_b * normal_n + friction_b;
         Some(PadForce {
+            on_vehicle_b,
             ground_b,
             point_b,
             stroke_m,
@@ -273,7 +290,7 @@ impl<'a> Pad<'a> {
             stroke_m: force.stroke_m,
             stroke_rate_m_s: force.stroke_rate_m_s,
             crushed_m: crushed_after(strut, self.cap_n(), self.start.crushed_m, force.stroke_m),
-            load_n: force.load_n,
+            load_n: force.load_n.max(0.0),
             ground_force_w: motion.attitude_wb * force.ground_b,
             sinkage_m: force.sinkage_m,
         }
@@ -293,7 +310,8 @@ impl<'a> Pad<'a> {
         } else {
             0.0
         };
-        strut_load_n(strut, self.cap_n(), self.start.crushed_m, stroke_m, rate_m_s) + stop_n
+        let (cap_n, crushed_m) = (self.cap_n(), self.start.crushed_m);
+        strut_load_n(strut, cap_n, crushed_m, stroke_m, rate_m_s, self.foot_weight_n) + stop_n
     }
 }
 
