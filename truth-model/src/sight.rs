@@ -140,7 +140,7 @@ impl TruthModel {
             impact,
             foot_impacts: self.foot_impacts(state, before, touch),
             tip: self.tip_state(state, &mass),
-            feet_down: touch.feet.iter().filter(|down| **down).count(),
+            feet_down: touch.feet,
             structure_down: touch.structure,
             clearance_m: self.structure_clearance_m(motion),
             bottomed,

@@ -56,7 +56,7 @@ fn run(engine: ContactEngine, number: u64) -> Worst {
 
 #[test]
 fn random_touchdowns_are_finite_hold_the_ground_and_make_no_energy() {
-    for engine in [ContactEngine::Strut] {
+    for engine in ENGINES {
         hold_the_ground_and_make_no_energy(
             engine,
             (0..count(60)).map(|n| run(engine, n)).collect(),

@@ -46,6 +46,8 @@ class Seen:
     """What the verdict looks at, per tick."""
 
     pads_loaded: np.ndarray
+    # Pads that carried load within the time of rest.
+    pads_felt: np.ndarray
     structure: np.ndarray
     stroke_m: np.ndarray
     speed_m_s: np.ndarray
@@ -103,6 +105,7 @@ def see(vehicle: Vehicle, case: Case, history: np.ndarray) -> Seen:
 
     return Seen(
         pads_loaded=(loads_n > 0.0).sum(axis=1),
+        pads_felt=recently(loads_n > 0.0, REST_TICKS).sum(axis=1),
         structure=(structure_n > 0.0).any(axis=1),
         stroke_m=stroke_m.max(axis=1),
         speed_m_s=np.linalg.norm(com_velocity_w, axis=1),
@@ -121,6 +124,13 @@ def lasting(condition: np.ndarray) -> np.ndarray:
     return ticks - np.maximum.accumulate(np.where(condition, 0, ticks))
 
 
+def recently(condition: np.ndarray, ticks: int) -> np.ndarray:
+    """Whether the condition has held within the last ticks."""
+    count = np.cumsum(condition, axis=0)
+    count[ticks:] -= count[:-ticks].copy()
+    return count > 0
+
+
 def first_true(condition: np.ndarray) -> int:
     """Index of the first true, or the length."""
     return int(np.argmax(condition)) if condition.any() else len(condition)
@@ -129,12 +139,12 @@ def first_true(condition: np.ndarray) -> int:
 def stands_still(seen: Seen) -> np.ndarray:
     """Per tick, whether it has now been slow, and where it was, for the time of rest."""
     still = (
-        ((seen.pads_loaded >= REST_FEET) | seen.structure)
-        & (seen.margin_j > 0.0)
+        (seen.margin_j > 0.0)
         & (seen.speed_m_s < REST_SPEED_M_S)
         & (seen.rate_rad_s < REST_RATE_RAD_S)
     )
-    rests = lasting(still) > REST_TICKS
+    stands = (seen.pads_felt >= REST_FEET) | recently(seen.structure, REST_TICKS)
+    rests = (lasting(still) > REST_TICKS) & stands
     drift_m = np.linalg.norm((seen.footprint_w[REST_TICKS:] - seen.footprint_w[:-REST_TICKS])[:, :2], axis=1)
     # Two rotations a small angle apart differ by sqrt(2) times it in the Frobenius norm.
     change = seen.attitude[REST_TICKS:] - seen.attitude[:-REST_TICKS]

@@ -50,7 +50,7 @@ pub struct Sight {
     /// Of the pads that have touched for the first time.
     pub foot_impacts: [Option<FootImpact>; FOOT_SLOTS],
     pub tip: TipState,
-    pub feet_down: usize,
+    pub feet_down: [bool; FOOT_SLOTS],
     pub structure_down: Structure<bool>,
     pub clearance_m: Structure<f64>,
     /// A strut has no stroke left.
@@ -89,7 +89,8 @@ pub struct Touchdown {
     pub peak_load_n: f64,
     pub peak_acceleration_m_s2: f64,
     pub peak_angular_acceleration_rad_s2: f64,
-    feet_down: usize,
+    /// A foot carried load in the last look.
+    on_feet: bool,
     /// For how long it has been outside, without a flight in between.
     outside: Ticks,
     still: Option<Still>,
@@ -101,7 +102,7 @@ impl Touchdown {
         if self.decided() {
             return;
         }
-        self.feet_down = sight.feet_down;
+        self.on_feet = sight.feet_down.contains(&true);
         if let Some(impact) = sight.impact {
             self.first.get_or_insert(impact);
         }
@@ -175,7 +176,7 @@ impl Touchdown {
         }
         self.outcome = if self.unsupported_since.is_some() {
             Outcome::Tipped
-        } else if self.first.is_none() || (self.feet_down == 0 && self.damage().is_none()) {
+        } else if self.first.is_none() || (!self.on_feet && self.damage().is_none()) {
             Outcome::NoContact
         } else {
             // Upright, but not seen at rest.

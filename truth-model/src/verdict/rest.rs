@@ -4,6 +4,7 @@
 //! a while; so it must also stay where it is (T.22).
 
 use lander_models::frames::Attitude;
+use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::Ticks;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -21,7 +22,8 @@ const REST_TIME: Ticks = Ticks(500);
 const REST_DRIFT_M: f64 = 1e-4;
 /// How far the vehicle may turn meanwhile: 0.2 mm at a foot 2 m out.
 const REST_TURN_RAD: f64 = 1e-4;
-/// Feet that must carry load, unless hull or nozzle does: two make an axis to teeter about.
+/// Feet that must carry load meanwhile, unless hull or nozzle does: two make an axis to teeter about.
+/// A third that hardly bears more than itself may come and go.
 const REST_FEET: usize = 3;
 
 /// Where the vehicle was when it began to stand still.
@@ -30,24 +32,41 @@ pub(super) struct Still {
     since: Ticks,
     footprint_w: Vector3<f64>,
     attitude_wb: Attitude,
+    /// When each foot last carried load since.
+    feet: [Option<Ticks>; FOOT_SLOTS],
+    /// When hull or nozzle did.
+    structure: Option<Ticks>,
 }
 
 /// Whether the vehicle has now stood still for long enough.
 pub(super) fn comes_to_rest(still: &mut Option<Still>, sight: &Sight) -> bool {
     let slow = sight.speed_m_s < REST_SPEED_M_S && sight.rate_rad_s < REST_RATE_RAD_S;
-    let stands = sight.feet_down >= REST_FEET || sight.structure_down.any();
     // With a margin of energy it can't tip over by itself; beyond an edge the margin is negative.
-    if !(slow && stands && sight.tip.margin_j > 0.0) {
+    if !(slow && sight.tip.margin_j > 0.0) {
         *still = None;
         return false;
     }
-    let here =
-        Still { since: sight.now, footprint_w: sight.footprint_w, attitude_wb: sight.attitude_wb };
-    let start = *still.get_or_insert(here);
+    let here = Still {
+        since: sight.now,
+        footprint_w: sight.footprint_w,
+        attitude_wb: sight.attitude_wb,
+        feet: [None; FOOT_SLOTS],
+        structure: None,
+    };
+    let start = still.get_or_insert(here);
+    for (felt, down) in start.feet.iter_mut().zip(sight.feet_down) {
+        *felt = if down { Some(sight.now) } else { *felt };
+    }
+    if sight.structure_down.any() {
+        start.structure = Some(sight.now);
+    }
     let drift_m = (sight.footprint_w - start.footprint_w).xy().norm();
     if drift_m > REST_DRIFT_M || start.attitude_wb.angle_to(&sight.attitude_wb) > REST_TURN_RAD {
         *still = Some(here);
         return false;
     }
-    sight.now >= start.since + REST_TIME
+    let lately = |felt: &&Option<Ticks>| felt.is_some_and(|time| sight.now < time + REST_TIME);
+    let stands = start.feet.iter().filter(lately).count() >= REST_FEET
+        || Some(&start.structure).filter(lately).is_some();
+    stands && sight.now >= start.since + REST_TIME
 }

@@ -19,6 +19,11 @@ fn impact(speed_m_s: f64) -> Option<Impact> {
     })
 }
 
+/// The first so many carry load.
+fn feet(count: usize) -> [bool; FOOT_SLOTS] {
+    std::array::from_fn(|n| n < count)
+}
+
 /// Standing still on four feet.
 fn standing() -> Sight {
     Sight {
@@ -26,7 +31,7 @@ fn standing() -> Sight {
         impact: None,
         foot_impacts: [None; FOOT_SLOTS],
         tip: UPRIGHT,
-        feet_down: 4,
+        feet_down: feet(4),
         structure_down: Structure::default(),
         clearance_m: Structure { hull: 0.7, nozzle: 0.4 },
         bottomed: false,
@@ -75,11 +80,11 @@ fn every_outcome_has_its_history() {
         (Sight { bottomed: true, ..moving() }, standing(), Outcome::Bottomed),
         (Sight { bottomed: true, ..moving() }, moving(), Outcome::Bottomed),
         (Sight { impact: impact(18.0), ..moving() }, standing(), Outcome::Crashed),
-        (moving(), Sight { feet_down: 0, ..moving() }, Outcome::NoContact),
+        (moving(), Sight { feet_down: feet(0), ..moving() }, Outcome::NoContact),
         // Lying on its hull after the stop time is no lack of contact.
-        (moving(), Sight { feet_down: 0, structure_down: HULL, ..moving() }, Outcome::Struck),
+        (moving(), Sight { feet_down: feet(0), structure_down: HULL, ..moving() }, Outcome::Struck),
         // Two feet are an axis to teeter about.
-        (standing(), Sight { feet_down: 2, ..standing() }, Outcome::Slid),
+        (standing(), Sight { feet_down: feet(2), ..standing() }, Outcome::Slid),
     ];
     for (n, (event, after, outcome)) in cases.into_iter().enumerate() {
         assert_eq!(verdict(event, after).outcome, outcome, "case {n}");
@@ -154,7 +159,7 @@ fn in_the_air_only_a_vehicle_that_goes_head_down_has_tipped() {
     let upside_down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 3.0);
     flying.look_in_flight(Ticks(1), false, &upside_down);
     // Nor is an approach that has not touched yet.
-    let near = Sight { tip: OVER, attitude_wb: upside_down, feet_down: 0, ..standing() };
+    let near = Sight { tip: OVER, attitude_wb: upside_down, feet_down: feet(0), ..standing() };
     flying.look(&LIMITS, &near);
     assert!(!flying.decided());
     flying.look(&LIMITS, &Sight { impact: impact(1.0), ..near });
@@ -224,7 +229,7 @@ fn a_vehicle_that_teeters_is_not_at_rest() {
 
 #[test]
 fn a_vehicle_that_leans_on_its_hull_is_at_rest_and_struck() {
-    let leaning = Sight { feet_down: 2, structure_down: HULL, ..standing() };
+    let leaning = Sight { feet_down: feet(2), structure_down: HULL, ..standing() };
     assert_eq!(seen(std::iter::repeat_n(leaning, 501)).outcome, Outcome::Struck);
 }
 
@@ -236,7 +241,7 @@ fn random_sight(now: u64, draw: &mut impl FnMut() -> f64) -> Sight {
         now: Ticks(now),
         impact: if flag(0.01, draw) { impact(5.2 * draw()) } else { None },
         tip,
-        feet_down: if flag(0.002, draw) { 0 } else { 4 },
+        feet_down: if flag(0.002, draw) { feet(0) } else { feet(4) },
         structure_down: Structure { hull: flag(1e-3, draw), nozzle: flag(1e-3, draw) },
         bottomed: flag(1e-3, draw),
         speed_m_s: 5.02e-3 * draw(),

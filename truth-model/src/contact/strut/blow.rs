@@ -87,3 +87,90 @@ pub fn lift(motion: &Motion, before: &Matrix6<f64>, after: &Matrix6<f64>) -> Mot
     let [velocity_b, rate_b] = split(&solver.solve(&(before * stack(&velocity_b, &motion.rate_b))));
     Motion { velocity_w: motion.attitude_wb * velocity_b, rate_b, ..*motion }
 }
+
+#[cfg(test)]
+mod tests {
+    use lander_models::frames::Attitude;
+    use lander_models::mass::MassProperties;
+    use nalgebra::Vector2;
+
+    use super::super::inertia;
+    use super::*;
+    use crate::slosh::Pendulums;
+
+    const MASS_KG: f64 = 174.0;
+    const PITCH_KG_M2: f64 = 126.0;
+    const HEIGHT_M: f64 = 1.38;
+    const SPEED_M_S: f64 = 2.0;
+
+    fn sliding() -> (Motion, MassProperties) {
+        let motion = Motion {
+            position_w: Vector3::zeros(),
+            velocity_w: Vector3::new(SPEED_M_S, 0.0, -1.0),
+            attitude_wb: Attitude::identity(),
+            rate_b: Vector3::zeros(),
+            propellant_kg: 0.0,
+            thrust_n: 0.0,
+            gimbal_rad: Vector2::zeros(),
+            slosh: Pendulums::default(),
+        };
+        let inertia_b = Matrix3::from_diagonal(&Vector3::new(PITCH_KG_M2, PITCH_KG_M2, 86.0));
+        let com_b = Vector3::new(0.0, 0.0, HEIGHT_M);
+        (motion, MassProperties { mass_kg: MASS_KG, com_b, inertia_b })
+    }
+
+    fn holds(friction: f64, foot_n_s: f64, count: usize) -> impl Iterator<Item = Hold> {
+        let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        corners.into_iter().take(count).map(move |(x, y)| Hold {
+            point_b: Vector3::new(x, y, 0.0),
+            stroke_axis_b: Vector3::z(),
+            normal_b: Vector3::z(),
+            foot_n_s,
+            friction,
+        })
+    }
+
+    #[test]
+    fn captured_pads_stop_the_vehicle_as_a_pendulum_on_a_level_rail() {
+        let (motion, mass) = sliding();
+        let after = stop(&motion, &inertia::whole(&mass), holds(f64::INFINITY, 0.0, 4));
+        // J along the ground, at height 0: v - J/m - (J h/I) h = 0 there.
+        let blow_n_s = SPEED_M_S / (1.0 / MASS_KG + HEIGHT_M * HEIGHT_M / PITCH_KG_M2);
+        // What a pad keeps of its speed: one in the ground's mass.
+        assert!((after.rate_b.y - blow_n_s * HEIGHT_M / PITCH_KG_M2).abs() < 1e-5);
+        assert!(after.velocity_w.x.abs() < 1e-5 && after.velocity_w.z == -1.0);
+    }
+
+    #[test]
+    fn sliding_pads_are_rubbed_by_their_feet_s_stop() {
+        let (motion, mass) = sliding();
+        let body = inertia::whole(&mass);
+        let after = stop(&motion, &body, holds(0.5, 2.0, 4));
+        let com_m_s = |motion: &Motion| motion.point_velocity_w(&mass.com_b).x;
+        let lost_n_s = MASS_KG * (com_m_s(&motion) - com_m_s(&after));
+        assert!((lost_n_s - 4.0 * 0.5 * 2.0).abs() < 1e-9, "{lost_n_s}");
+    }
+
+    #[test]
+    fn the_ground_does_not_pull_a_pad_that_moves_down_a_slope() {
+        let (motion, mass) = sliding();
+        let normal_b = Vector3::new(0.2, 0.0, 0.96_f64.sqrt());
+        let downhill = holds(f64::INFINITY, 0.0, 1).map(|hold| Hold { normal_b, ..hold });
+        let after = stop(&motion, &inertia::whole(&mass), downhill);
+        assert!((after.velocity_w - motion.velocity_w).norm() < 1e-12);
+    }
+
+    #[test]
+    fn feet_torn_off_take_their_momentum_from_the_vehicle() {
+        let (motion, mass) = sliding();
+        let rising = Motion { velocity_w: Vector3::z() * 0.6, ..motion };
+        let whole = inertia::whole(&mass);
+        let mut without = whole;
+        for hold in holds(0.5, 0.0, 4) {
+            inertia::take_foot(&mut without, 2.0, &hold.point_b, &hold.stroke_axis_b);
+        }
+        let after = lift(&rising, &without, &whole);
+        let expected_m_s = 0.6 * (MASS_KG - 4.0 * 2.0) / MASS_KG;
+        assert!((after.velocity_w.z - expected_m_s).abs() < 1e-12);
+    }
+}

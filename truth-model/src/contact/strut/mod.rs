@@ -1,5 +1,5 @@
-//! The fast contact engine: one rigid body in the flight integrator, massless pads on crushable
-//! struts, friction by anchors (T.30 to T.37). The reference engine's laws at a fraction of its
+//! The fast contact engine: one body in the flight integrator, pads without inertia on crushable
+//! struts, friction by anchors (T.30 to T.39). The reference engine's laws at a fraction of its
 //! cost, for large campaigns.
 
 mod blow;
