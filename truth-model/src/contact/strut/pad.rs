@@ -236,23 +236,20 @@ impl<'a> Pad<'a> {
         let slip_b = tangential(&(self.touch_b + axis_b * stroke_m - anchor_b), &normal_b);
         let slip_m_s = tangential(&(body_b + axis_b * stroke_rate_m_s), &normal_b);
         let hold_b = slip_b * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
-        // (T.33) Along the strut's axis ground and strut balance on the pad.
-        let normal_n =
-            |axial_n: f64, along_b: &Vector3<f64>| (axial_n - along_b.dot(axis_b)) / rise;
+        // (T.33) Along the strut's axis ground, foot and strut balance.
         let hold_n = hold_b.norm();
         let friction = site.pad_friction();
-        let friction_b = if hold_n <= friction * normal_n(borne_n, &hold_b) {
-            hold_b
+        let sticking_n = (borne_n - hold_b.dot(axis_b)) / rise;
+        let (normal_n, friction_b) = if hold_n <= friction * sticking_n {
+            (sticking_n, hold_b)
         } else {
             let direction_b = hold_b / hold_n;
-            direction_b
-                * (friction * borne_n / (rise + friction * direction_b.dot(axis_b)).max(FLAT))
+            let normal_n = borne_n / (rise + friction * direction_b.dot(axis_b)).max(FLAT);
+            (normal_n, direction_b * (friction * normal_n))
         };
-        let on_vehicle_b = normal_b * normal_n(load_n, &friction_b) + friction_b;
-        let normal_n = normal_n(borne_n, &friction_b);
         let ground_b = normal_b * normal_n + friction_b;
         Some(PadForce {
-            on_vehicle_b,
+            on_vehicle_b: ground_b - axis_b * self.foot_weight_n,
             ground_b,
             point_b,
             stroke_m,
