@@ -8,8 +8,10 @@
 mod filter;
 mod inputs;
 mod navigator;
-mod nominal;
+pub mod nominal;
 mod sensors;
+#[cfg(test)]
+mod sensors_tests;
 
 use lander_models::ModelError;
 use lander_models::frames::Attitude;
@@ -19,7 +21,8 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-pub use inputs::Inputs;
+pub use filter::{Filter, Update};
+pub use inputs::{ImuSample, Inputs};
 pub use navigator::{Actuation, Estimator, Navigator};
 
 /// The navigation solution with nominal mass properties at the mass taken for true.

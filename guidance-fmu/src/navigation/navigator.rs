@@ -5,7 +5,7 @@ use lander_models::scenario::{Initial, PerSensor, Prior, Scenario};
 use lander_models::time::Ticks;
 use lander_models::vehicle::{G0_M_S2, Sensors, Vehicle};
 use lander_models::{ModelError, frames::Attitude};
-use nalgebra::{Rotation3, SMatrix, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::filter::{Filter, Update};
@@ -155,7 +155,6 @@ impl Navigator {
             let arm_b = altimeter.mount_b - imu.mount_b;
             let innovation = sensors::altimeter(
                 &then,
-                &filter.covariance,
                 altimeter,
                 &arm_b,
                 &self.ground,
@@ -206,17 +205,13 @@ impl Navigator {
         let arm_b = -self.sensors.imu.mount_b;
         let position_w = nominal.position_w + nominal.attitude_wb * arm_b;
         let position = sensors::point_sensitivity(&nominal, &arm_b);
-        let normal_w = Ground::normal_w(&nominal);
-        let from_w = position_w - self.ground.target_w;
-        let mut height: SMatrix<f64, 1, ERRORS> = normal_w.transpose() * position;
-        height[SLOPE] = -from_w.x;
-        height[SLOPE + 1] = -from_w.y;
+        let (height_m, height) = self.ground.height_m(&nominal, &arm_b);
         Solution {
             position_w,
             velocity_w: nominal.velocity_w + nominal.attitude_wb * rate_b.cross(&arm_b),
             attitude_wb: nominal.attitude_wb,
             rate_b,
-            height_m: normal_w.dot(&from_w),
+            height_m,
             mass_kg: self.vehicle.mass.dry.mass_kg + estimator.propellant_kg,
             gyro_bias_b: nominal.parameters3(GYRO_BIAS),
             accelerometer_bias_b: nominal.parameters3(ACCELEROMETER_BIAS),
@@ -299,5 +294,8 @@ fn covariance(scenario: &Scenario, prior: &Prior, sensors: &Sensors) -> Covarian
     set(ALTIMETER_SCALE, altimeter.scale);
     set(SLOPE, prior.ground_slope);
     set(SLOPE + 1, prior.ground_slope);
+    // The product of slope and position errors, which a linear model of the range leaves out.
+    let position_m = prior.position_m.hypot(dispersed.initial_position_m);
+    set(GROUND, std::f64::consts::SQRT_2 * prior.ground_slope * position_m);
     p
 }

@@ -28,9 +28,10 @@ pub const ALTIMETER_BIAS: usize = 31;
 pub const ALTIMETER_SCALE: usize = 32;
 /// The map's offset, world frame, m.
 pub const LANDMARK_BIAS: usize = 33;
-/// Rise per run of the ground along world x and y.
+/// Rise per run of the ground along world x and y, and its height at the target's place.
 pub const SLOPE: usize = 36;
-pub const ERRORS: usize = 38;
+pub const GROUND: usize = 38;
+pub const ERRORS: usize = 39;
 
 /// Those of them that are no motion.
 const PARAMETERS: usize = ERRORS - GYRO_BIAS;

@@ -7,7 +7,7 @@ use nalgebra::{Matrix1, Matrix3, SMatrix, Vector1, Vector3};
 use super::filter::Innovation;
 use super::nominal::*;
 
-/// A plane through the target, by its estimated slope.
+/// A plane near the target, by its estimated slope and height.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground {
     pub target_w: Vector3<f64>,
@@ -16,8 +16,23 @@ pub struct Ground {
 
 impl Ground {
     /// Upward, of height 1: its product with a displacement is the height gained over the plane.
-    pub fn normal_w(nominal: &Nominal) -> Vector3<f64> {
+    fn normal_w(nominal: &Nominal) -> Vector3<f64> {
         Vector3::new(-nominal.parameter(SLOPE), -nominal.parameter(SLOPE + 1), 1.0)
+    }
+
+    /// Height of a point of the body over the plane vertically below, and its derivatives.
+    pub fn height_m(
+        &self,
+        nominal: &Nominal,
+        arm_b: &Vector3<f64>,
+    ) -> (f64, SMatrix<f64, 1, ERRORS>) {
+        let normal_w = Self::normal_w(nominal);
+        let from_w = nominal.position_w + nominal.attitude_wb * arm_b - self.target_w;
+        let mut sensitivity = normal_w.transpose() * point_sensitivity(nominal, arm_b);
+        sensitivity[SLOPE] = -from_w.x;
+        sensitivity[SLOPE + 1] = -from_w.y;
+        sensitivity[GROUND] = -1.0;
+        (normal_w.dot(&from_w) - nominal.parameter(GROUND), sensitivity)
     }
 }
 
@@ -31,11 +46,9 @@ pub fn point_sensitivity(nominal: &Nominal, arm_b: &Vector3<f64>) -> SMatrix<f64
     sensitivity
 }
 
-/// Slant range to the plane (G.57). None while the beam doesn't point at it. `covariance` serves
-/// the product of slope and position errors, which a linear model leaves out.
+/// Slant range to the plane (G.57). None while the beam doesn't point at it.
 pub fn altimeter(
     nominal: &Nominal,
-    covariance: &Covariance,
     spec: &AltimeterSpec,
     arm_b: &Vector3<f64>,
     ground: &Ground,
@@ -43,33 +56,27 @@ pub fn altimeter(
 ) -> Option<Innovation<1>> {
     let attitude = nominal.attitude_wb.to_rotation_matrix().into_inner();
     let normal_w = Ground::normal_w(nominal);
-    let from_w = nominal.position_w + attitude * arm_b - ground.target_w;
     let beam_w = attitude * -Vector3::z();
     let closing = -normal_w.dot(&beam_w);
-    let range_m = normal_w.dot(&from_w) / closing;
+    let (height_m, by_errors) = ground.height_m(nominal, arm_b);
+    let range_m = height_m / closing;
     if closing <= 0.0 || range_m <= 0.0 {
         return None;
     }
+    // A turn or a slope also moves the spot along the ground.
+    let turned_b = attitude * Vector3::z().cross_matrix() * range_m;
+    let mut sensitivity = by_errors;
+    let mut at_spot = sensitivity.fixed_view_mut::<1, 3>(0, ATTITUDE);
+    at_spot += normal_w.transpose() * turned_b;
+    sensitivity[SLOPE] -= beam_w.x * range_m;
+    sensitivity[SLOPE + 1] -= beam_w.y * range_m;
     let gain = (1.0 + nominal.parameter(ALTIMETER_SCALE)) / closing;
-    let turned_b =
-        -attitude * arm_b.cross_matrix() + attitude * Vector3::z().cross_matrix() * range_m;
-    let spot_w = from_w + beam_w * range_m;
-    let mut sensitivity = SMatrix::<f64, 1, ERRORS>::zeros();
-    let mut row = |place, part: Vector3<f64>| {
-        sensitivity.fixed_view_mut::<1, 3>(0, place).copy_from(&part.transpose());
-    };
-    row(POSITION, normal_w * gain);
-    row(ATTITUDE, turned_b.transpose() * normal_w * gain);
-    sensitivity[SLOPE] = -spot_w.x * gain;
-    sensitivity[SLOPE + 1] = -spot_w.y * gain;
+    sensitivity *= gain;
     sensitivity[ALTIMETER_BIAS] = 1.0;
     sensitivity[ALTIMETER_SCALE] = range_m;
-    let bilinear: f64 = (0..2)
-        .map(|axis| covariance[(SLOPE + axis, SLOPE + axis)] * covariance[(axis, axis)])
-        .sum();
     let variance = spec.noise_m.powi(2)
         + (spec.noise_relative * range_m).powi(2)
-        + (ground.roughness_m.powi(2) + bilinear) * gain * gain;
+        + (ground.roughness_m * gain).powi(2);
     let predicted_m =
         range_m * (1.0 + nominal.parameter(ALTIMETER_SCALE)) + nominal.parameter(ALTIMETER_BIAS);
     Some(Innovation {
