@@ -20,7 +20,7 @@ impl Ground {
         Vector3::new(-nominal.parameter(SLOPE), -nominal.parameter(SLOPE + 1), 1.0)
     }
 
-    /// Height of a point of the body over the plane vertically below, and its derivatives.
+    /// Height of a point of the body over the plane vertically below, and its derivatives (G.57).
     pub fn height_m(
         &self,
         nominal: &Nominal,
@@ -28,7 +28,10 @@ impl Ground {
     ) -> (f64, SMatrix<f64, 1, ERRORS>) {
         let normal_w = Self::normal_w(nominal);
         let from_w = nominal.position_w + nominal.attitude_wb * arm_b - self.target_w;
-        let mut sensitivity = normal_w.transpose() * point_sensitivity(nominal, arm_b);
+        // On a slope the height depends on the horizontal place too. That is left out: as the
+        // estimated slope changes, a filter takes it for knowledge of the place that no sensor
+        // gave (Huang, Mourikis and Roumeliotis, IJRR 29(5), 2010). GROUND carries the product.
+        let mut sensitivity = Vector3::z().transpose() * point_sensitivity(nominal, arm_b);
         sensitivity[SLOPE] = -from_w.x;
         sensitivity[SLOPE + 1] = -from_w.y;
         sensitivity[GROUND] = -1.0;

@@ -1,4 +1,4 @@
-//! A landing by perfect guidance, with a filter beside it that sees the raw sensors alone.
+//! A landing with a filter beside it that sees the raw sensors alone.
 
 use std::path::Path;
 
@@ -22,8 +22,8 @@ pub type Core = SVector<f64, CORE>;
 
 /// The default landing on sensors.
 pub fn landing() -> (Scenario, Vehicle) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../models/scenarios/landing-sensors.toml");
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/scenarios/landing-sensors.toml");
     Scenario::load(&file).unwrap()
 }
 
@@ -53,11 +53,21 @@ pub struct Flight {
 }
 
 impl Flight {
+    /// By perfect guidance.
     pub fn new((scenario, vehicle): (Scenario, Vehicle)) -> Self {
-        let navigator = Navigator::new(&scenario, &vehicle).unwrap();
         let mut seeing = scenario.clone();
         seeing.sensing.navigation = Navigation::Perfect;
-        let guidance = Guidance::new(&seeing, vehicle.clone());
+        Self::guided_by(&seeing, scenario, vehicle)
+    }
+
+    /// By guidance that flies on a filter of its own, whose twin is the one beside it.
+    pub fn closed((scenario, vehicle): (Scenario, Vehicle)) -> Self {
+        Self::guided_by(&scenario.clone(), scenario, vehicle)
+    }
+
+    fn guided_by(seen: &Scenario, scenario: Scenario, vehicle: Vehicle) -> Self {
+        let navigator = Navigator::new(&scenario, &vehicle).unwrap();
+        let guidance = Guidance::new(seen, vehicle.clone());
         let truth = TruthModel::new(scenario, vehicle);
         Self {
             state: truth.initial_state(),
@@ -71,10 +81,20 @@ impl Flight {
         }
     }
 
-    /// What guidance is told now.
-    pub fn inputs(&mut self) -> &mut [f64] {
+    fn told(&self) -> Vec<f64> {
         let mut told = vec![0.0; TRUTH.output_len()];
         self.truth.outputs(&self.state, &mut told);
+        told
+    }
+
+    /// A scalar output of the truth.
+    pub fn output(&self, name: &str) -> f64 {
+        self.told()[TRUTH.output_offset(name).unwrap()]
+    }
+
+    /// What guidance is told now.
+    pub fn inputs(&mut self) -> &mut [f64] {
+        let told = self.told();
         for (from, to, size) in connections(&TRUTH, &GUIDANCE) {
             self.inputs[to..to + size].copy_from_slice(&told[from..from + size]);
         }
