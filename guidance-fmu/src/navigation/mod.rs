@@ -12,6 +12,7 @@ pub mod nominal;
 mod sensors;
 #[cfg(test)]
 mod sensors_tests;
+mod start;
 
 use lander_models::ModelError;
 use lander_models::frames::Attitude;
