@@ -3,13 +3,13 @@
 //! [`scvx`] is the planner, usable alone. The rest flies its plans. Plain library: no FMI, no
 //! output, no clock, no threads. Equations (G.n) in the README.
 
+pub mod navigation;
 pub mod scvx;
 
 mod attitude;
 mod descent;
 mod mission;
 mod model;
-mod navigation;
 mod planning;
 
 pub use mission::Phase;

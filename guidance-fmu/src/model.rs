@@ -1,7 +1,8 @@
 //! The component: inputs to commands, once per communication step.
 
 use lander_models::component::{Component, ModelError, Settings, StepReport};
-use lander_models::scenario::{Guidance as Task, GuidanceMode, Scenario};
+use lander_models::frames::attitude_to_wxyz;
+use lander_models::scenario::{self, Guidance as Task, GuidanceMode, Scenario};
 use lander_models::signals::{self, Interface};
 use lander_models::time::Ticks;
 use lander_models::vehicle::Vehicle;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
 use crate::mission::{Context, Mission, Orders};
-use crate::navigation::Navigation;
+use crate::navigation::{Actuation, Estimator, Inputs, Navigation, Navigator, Solution};
 
 /// Constant configuration: nominal values only. The truth's initial state, terrain and faults
 /// are not kept.
@@ -19,6 +20,8 @@ pub struct Guidance {
     vehicle: Vehicle,
     task: Task,
     gravity_m_s2: f64,
+    /// None: navigation is perfect.
+    navigator: Option<Navigator>,
 }
 
 /// All that a bit-exact restart needs.
@@ -29,6 +32,10 @@ pub struct State {
     /// Thrust that the engine should give now, by its nominal lag.
     thrust_n: f64,
     commands: Commands,
+    /// Present where the guidance has a navigator.
+    estimator: Option<Estimator>,
+    /// What was taken for true in the last step, for the log.
+    solution: Solution,
     /// Planned position and velocity of O, for the log.
     plan_position_w: Vector3<f64>,
     plan_velocity_w: Vector3<f64>,
@@ -44,7 +51,29 @@ struct Commands {
 
 impl Guidance {
     pub fn new(scenario: &Scenario, vehicle: Vehicle) -> Self {
-        Self { vehicle, task: scenario.guidance.clone(), gravity_m_s2: scenario.gravity_m_s2 }
+        let navigator = match scenario.sensing.navigation {
+            scenario::Navigation::Sensors => Navigator::new(scenario, &vehicle),
+            scenario::Navigation::Perfect => None,
+        };
+        let (task, gravity_m_s2) = (scenario.guidance.clone(), scenario.gravity_m_s2);
+        Self { vehicle, task, gravity_m_s2, navigator }
+    }
+
+    /// State at t = 0.
+    pub fn initial_state(&self) -> State {
+        State { estimator: self.navigator.as_ref().map(Navigator::start), ..State::default() }
+    }
+
+    /// What to take for true now.
+    fn navigate(&self, state: &mut State, inputs: &Inputs) -> Result<Solution, ModelError> {
+        let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) else {
+            return Solution::perfect(inputs);
+        };
+        let Commands { gimbal_rad, rcs_torque_b, .. } = state.commands;
+        let actuation =
+            Actuation { thrust_n: state.thrust_n, gimbal_rad, rcs_torque_b: rcs_torque_b.into() };
+        navigator.step(estimator, state.now, inputs, &actuation)?;
+        Ok(navigator.solution(estimator, state.now))
     }
 
     fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
@@ -59,11 +88,19 @@ impl Guidance {
         state.mission.step(&context)
     }
 
-    /// Follows the nominal first-order lag through `duration` of a held command.
+    /// Follows the nominal first-order lag through `duration` of a held command, and the
+    /// propellant that it takes.
     fn expect_thrust(&self, state: &mut State, duration: Ticks) {
-        let decay = (-duration.seconds() / self.vehicle.engine.thrust_lag_s).exp();
+        let lag_s = self.vehicle.engine.thrust_lag_s;
+        let decay = (-duration.seconds() / lag_s).exp();
         let command_n = state.commands.thrust_n;
-        state.thrust_n = command_n + (state.thrust_n - command_n) * decay;
+        let excess_n = state.thrust_n - command_n;
+        if let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) {
+            let impulse_n_s = command_n * duration.seconds() + excess_n * lag_s * (1.0 - decay);
+            let torque_n_m: f64 = state.commands.rcs_torque_b.iter().map(|t| t.abs()).sum();
+            navigator.spend(estimator, impulse_n_s, torque_n_m * duration.seconds());
+        }
+        state.thrust_n = command_n + excess_n * decay;
     }
 
     fn note_plan(&self, state: &mut State, nav: &Navigation) {
@@ -80,7 +117,9 @@ impl Component for Guidance {
 
     fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
         let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
-        Ok((Self::new(&scenario, vehicle), State::default()))
+        let guidance = Self::new(&scenario, vehicle);
+        let state = guidance.initial_state();
+        Ok((guidance, state))
     }
 
     fn step(
@@ -89,7 +128,9 @@ impl Component for Guidance {
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
-        let nav = Navigation::read(&self.vehicle, inputs)?;
+        let inputs = Inputs::read(inputs);
+        state.solution = self.navigate(state, &inputs)?;
+        let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);
         let phase = state.mission.phase;
         let orders = self.orders(state, &nav);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
@@ -132,5 +173,20 @@ impl Component for Guidance {
         put(&commands.up_w);
         put(&[to_go_s, propellant_kg]);
         put(&[f64::from(planning.accepted), f64::from(planning.failed)]);
+        let Solution { sigma, .. } = &state.solution;
+        put(state.solution.position_w.as_slice());
+        put(state.solution.velocity_w.as_slice());
+        put(&attitude_to_wxyz(&state.solution.attitude_wb));
+        put(state.solution.rate_b.as_slice());
+        put(&[state.solution.height_m, state.solution.mass_kg]);
+        put(state.solution.gyro_bias_b.as_slice());
+        put(state.solution.accelerometer_bias_b.as_slice());
+        put(sigma.position_w.as_slice());
+        put(sigma.velocity_w.as_slice());
+        put(sigma.attitude_b.as_slice());
+        put(sigma.gyro_bias_b.as_slice());
+        put(sigma.accelerometer_bias_b.as_slice());
+        put(&[sigma.height_m]);
+        put(&state.solution.rejected.to_array());
     }
 }

@@ -9,6 +9,7 @@ pub mod heightmap;
 pub mod mass;
 pub mod outcome;
 pub mod quantity;
+pub mod random;
 pub mod scenario;
 pub mod signals;
 pub mod time;

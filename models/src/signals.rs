@@ -111,7 +111,7 @@ const fn foot_result(name: &'static str, unit: &'static str, description: &'stat
     Signal { start: f64::NAN, ..vector(name, FOOT_SLOTS, unit, description) }
 }
 
-// Truth to guidance: the navigation solution, perfect for now.
+// Truth to guidance: the navigation solution where navigation is perfect, and leg probes.
 pub const POSITION_W: Signal =
     vector("position_w", 3, "m", "Position of the structural origin O, world frame");
 pub const VELOCITY_W: Signal =
@@ -136,6 +136,47 @@ pub const ALTIMETER_M: Signal =
     scalar("altimeter_m", "m", "Height of the structural origin O above the ground below it");
 pub const FOOT_CONTACT: Signal =
     vector("foot_contact", FOOT_SLOTS, "1", "Leg probe: 1 while the footpad touches the ground");
+
+// Raw readings, for a navigation filter.
+pub const IMU_SPECIFIC_FORCE_B: Signal = vector(
+    "imu_specific_force_b",
+    3,
+    "m/s2",
+    "IMU: mean specific force of its mounting over its last period, mid-period body frame",
+);
+pub const IMU_RATE_B: Signal = vector(
+    "imu_rate_b",
+    3,
+    "rad/s",
+    "IMU: rotation vector of its last period over the period's length, body frame",
+);
+pub const ALTIMETER_RANGE_M: Signal =
+    scalar("altimeter_range_m", "m", "Altimeter: slant range along body -z from its mounting");
+pub const VELOCIMETER_VELOCITY_B: Signal = vector(
+    "velocimeter_velocity_b",
+    3,
+    "m/s",
+    "Velocimeter: velocity of its mounting point against the ground, body frame",
+);
+pub const STAR_TRACKER_ATTITUDE_WB: Signal = Signal {
+    name: "star_tracker_attitude_wb",
+    description: "Star tracker: unit quaternion (w, x, y, z), body to world",
+    ..ATTITUDE_WB
+};
+pub const LANDMARK_POSITION_W: Signal =
+    vector("landmark_position_w", 3, "m", "Landmark fix: position of O, world frame");
+pub const SENSOR_VALID: Signal = vector(
+    "sensor_valid",
+    SENSOR_SLOTS,
+    "1",
+    "Last sample arrived: IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
+);
+pub const SENSOR_SAMPLES: Signal = vector(
+    "sensor_samples",
+    SENSOR_SLOTS,
+    "1",
+    "Samples that arrived so far, in the order of sensor_valid: a change is a new reading",
+);
 
 // Guidance to truth: commands.
 pub const THRUST_COMMAND_N: Signal =
@@ -270,43 +311,14 @@ pub const TRUTH: Interface = Interface {
         scalar("dead_zone_time_s", "s", "Time for which thrust was commanded inside the dead zone"),
         scalar("slosh_angle_deg", "deg", "Largest angle of a slosh pendulum from the body axis"),
         scalar("faults_active", "1", "Failure modes past their onset"),
-        vector(
-            "imu_specific_force_b",
-            3,
-            "m/s2",
-            "IMU: mean specific force of its mounting over its last period, mid-period body frame",
-        ),
-        vector(
-            "imu_rate_b",
-            3,
-            "rad/s",
-            "IMU: rotation vector of its last period over the period's length, body frame",
-        ),
-        scalar("altimeter_range_m", "m", "Altimeter: slant range along body -z from its mounting"),
-        vector(
-            "velocimeter_velocity_b",
-            3,
-            "m/s",
-            "Velocimeter: velocity of its mounting point against the ground, body frame",
-        ),
-        Signal {
-            name: "star_tracker_attitude_wb",
-            description: "Star tracker: unit quaternion (w, x, y, z), body to world",
-            ..ATTITUDE_WB
-        },
-        vector("landmark_position_w", 3, "m", "Landmark fix: position of O, world frame"),
-        vector(
-            "sensor_valid",
-            SENSOR_SLOTS,
-            "1",
-            "Last sample arrived: IMU, altimeter, velocimeter, star tracker, leg probes, landmark",
-        ),
-        vector(
-            "sensor_samples",
-            SENSOR_SLOTS,
-            "1",
-            "Samples that arrived so far, in the order of sensor_valid: a change is a new reading",
-        ),
+        IMU_SPECIFIC_FORCE_B,
+        IMU_RATE_B,
+        ALTIMETER_RANGE_M,
+        VELOCIMETER_VELOCITY_B,
+        STAR_TRACKER_ATTITUDE_WB,
+        LANDMARK_POSITION_W,
+        SENSOR_VALID,
+        SENSOR_SAMPLES,
     ],
 };
 
@@ -323,6 +335,14 @@ pub const GUIDANCE: Interface = Interface {
         MASS_KG,
         ALTIMETER_M,
         FOOT_CONTACT,
+        IMU_SPECIFIC_FORCE_B,
+        IMU_RATE_B,
+        ALTIMETER_RANGE_M,
+        VELOCIMETER_VELOCITY_B,
+        STAR_TRACKER_ATTITUDE_WB,
+        LANDMARK_POSITION_W,
+        SENSOR_VALID,
+        SENSOR_SAMPLES,
     ],
     outputs: &[
         THRUST_COMMAND_N,
@@ -340,6 +360,32 @@ pub const GUIDANCE: Interface = Interface {
         scalar("plan_propellant_kg", "kg", "Propellant that the rest of the plan needs"),
         scalar("plans_accepted", "1", "Plans accepted so far"),
         scalar("plans_failed", "1", "Solves that failed so far"),
+        // What guidance takes for true at the start of the last step: the filter's estimate, or
+        // with perfect navigation the truth with no deviations.
+        vector("nav_position_w", 3, "m", "Position of O taken for true, world frame"),
+        vector("nav_velocity_w", 3, "m/s", "Velocity of O taken for true, world frame"),
+        Signal {
+            name: "nav_attitude_wb",
+            description: "Attitude taken for true: unit quaternion (w, x, y, z), body to world",
+            ..ATTITUDE_WB
+        },
+        vector("nav_rate_b", 3, "rad/s", "Angular velocity taken for true, body frame"),
+        scalar("nav_height_m", "m", "Height of O above the ground taken for true"),
+        scalar("nav_mass_kg", "kg", "Total mass taken for true"),
+        vector("nav_gyro_bias_b", 3, "rad/s", "Gyro bias, estimate"),
+        vector("nav_accelerometer_bias_b", 3, "m/s2", "Accelerometer bias, estimate"),
+        vector("nav_sigma_position_w", 3, "m", "Position: standard deviation"),
+        vector("nav_sigma_velocity_w", 3, "m/s", "Velocity: standard deviation"),
+        vector("nav_sigma_attitude_b", 3, "rad", "Turn about each body axis: standard deviation"),
+        vector("nav_sigma_gyro_bias_b", 3, "rad/s", "Gyro bias: standard deviation"),
+        vector("nav_sigma_accelerometer_bias_b", 3, "m/s2", "Accelerometer bias: deviation"),
+        scalar("nav_sigma_height_m", "m", "Height above the ground: standard deviation"),
+        vector(
+            "nav_rejected",
+            SENSOR_SLOTS,
+            "1",
+            "Samples that the innovation gate refused so far, in the order of sensor_valid",
+        ),
     ],
 };
 

@@ -9,7 +9,6 @@ pub mod faults;
 pub mod flight;
 pub mod gear;
 pub mod propulsion;
-pub mod random;
 pub mod rcs;
 pub mod sensors;
 pub mod slosh;
@@ -21,4 +20,5 @@ mod model;
 mod outputs;
 mod sight;
 
+pub use lander_models::random;
 pub use model::{State, TruthModel};

@@ -5,6 +5,7 @@ mod disturbances;
 mod faults;
 mod guidance;
 mod initial;
+mod navigation;
 mod sensors;
 mod slosh;
 mod terrain;
@@ -17,6 +18,7 @@ pub use disturbances::{Disturbances, Offsets};
 pub use faults::*;
 pub use guidance::{Guidance, GuidanceMode};
 pub use initial::Initial;
+pub use navigation::Prior;
 pub use sensors::{DropOut, Navigation, PerSensor, Sensing, SensorSettings};
 pub use terrain::{Craters, Heightmap, RockLaw, Rocks, Soil, Terrain};
 pub use touchdown::TouchdownLimits;
@@ -40,6 +42,8 @@ pub struct Scenario {
     pub disturbances: Disturbances,
     pub faults: Faults,
     pub guidance: Guidance,
+    /// What the navigation filter knows at the start.
+    pub prior: Prior,
     pub touchdown: TouchdownLimits,
     pub sensing: Sensing,
     pub stop_time: Ticks,
@@ -95,6 +99,7 @@ impl Scenario {
             disturbances: disturbances::read(&root, vehicle)?,
             faults: faults::read(&root)?,
             guidance: guidance::read(&root, vehicle)?,
+            prior: navigation::read(&root)?,
             touchdown: touchdown::read(&root)?,
             sensing: sensors::read(&root, vehicle)?,
             // Whole numbers up to 2^53 are exact in a file's f64.

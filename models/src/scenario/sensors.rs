@@ -9,10 +9,11 @@ use crate::vehicle::Vehicle;
 /// What the truth hands out as measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Navigation {
-    /// Exact readings at every output; the settings of the sensors have no effect.
+    /// Exact readings at every output, and guidance takes the true state as it is; the settings
+    /// of the sensors have no effect.
     #[default]
     Perfect,
-    /// Sampled readings with errors, limits and drop-outs.
+    /// Sampled readings with errors, limits and drop-outs, from which guidance estimates.
     Sensors,
 }
 
@@ -28,6 +29,12 @@ pub struct PerSensor<T> {
 }
 
 impl<T: Copy> PerSensor<T> {
+    /// In signal order.
+    pub fn from_array(values: [T; crate::signals::SENSOR_SLOTS]) -> Self {
+        let [imu, altimeter, velocimeter, star_tracker, leg_probes, landmark] = values;
+        Self { imu, altimeter, velocimeter, star_tracker, leg_probes, landmark }
+    }
+
     /// In signal order.
     pub fn to_array(&self) -> [T; crate::signals::SENSOR_SLOTS] {
         let Self { imu, altimeter, velocimeter, star_tracker, leg_probes, landmark } = *self;
