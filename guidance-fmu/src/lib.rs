@@ -4,6 +4,7 @@
 //! output, no clock, no threads. Equations (G.n) in the README.
 
 pub mod scvx;
+pub mod six_dof;
 
 mod attitude;
 mod descent;

@@ -1,0 +1,105 @@
+//! The proximal loop: solve about the reference, measure the merit, accept or stiffen (G.78).
+
+use super::error::SixDofError;
+use super::problem::{SixDofProblem, SixDofSettings};
+use super::subproblem::{DEFECT_WEIGHT, Subproblem};
+use super::trajectory::{Grid, Iterate, Scale, Trajectory};
+use crate::scvx::{ConicSolver, PlanError};
+
+/// Converged largest scaled shooting defect: 1e-8 of a few hundred metres is a few µm an interval.
+const DEFECT: f64 = 1e-8;
+/// Converged change of the scaled propellant between two iterations.
+const FUEL_CHANGE: f64 = 1e-4;
+/// Proximal weight: initial, factors after a good and a bad step, and its range.
+const STIFFNESS_START: f64 = 0.1;
+const STIFFNESS_CUT: f64 = 0.25;
+const STIFFNESS_GROWTH: f64 = 5.0;
+const STIFFNESS_RANGE: [f64; 2] = [1e-3, 1e4];
+/// Share of the predicted decrease below which a step is refused, and above which it is good.
+const REFUSED: f64 = 0.05;
+const GOOD: f64 = 0.6;
+
+/// Best trajectory of a loop and the work it took.
+pub(super) struct Outcome {
+    pub trajectory: Trajectory,
+    pub converged: bool,
+    /// Virtual control of the last accepted solution, scaled sum.
+    pub virtual_control: f64,
+    pub solves: u32,
+    pub refused: u32,
+    pub solver_iterations: u32,
+}
+
+/// Iterates from `guess` until the defects vanish and the propellant rests, or the budget is spent.
+pub(super) fn iterate(
+    problem: &SixDofProblem,
+    settings: &SixDofSettings,
+    grid: &Grid,
+    scale: &Scale,
+    guess: Iterate,
+) -> Result<Outcome, SixDofError> {
+    let subproblem = Subproblem { problem, grid, scale, phase_min_s: settings.phase_min_s };
+    let merit = |end_mass_kg: f64, defect: f64| DEFECT_WEIGHT * defect - end_mass_kg / scale.state[0];
+    let mut outcome = Outcome {
+        trajectory: Trajectory::new(problem, grid, guess),
+        converged: false,
+        virtual_control: f64::INFINITY,
+        solves: 0,
+        refused: 0,
+        solver_iterations: 0,
+    };
+    let mut solver: Option<ConicSolver> = None;
+    let mut stiffness = STIFFNESS_START;
+    // The guess need not keep the limits: the first step is always taken.
+    let mut reference_merit = f64::INFINITY;
+
+    while outcome.solves < settings.solves_max {
+        outcome.solves += 1;
+        let program = subproblem.build(&outcome.trajectory, stiffness);
+        let solved = match &mut solver {
+            Some(solver) => solver.solve(&program),
+            empty => ConicSolver::new(&program, settings.solver_iterations_max)
+                .and_then(|new| empty.insert(new).solve(&program)),
+        };
+        let solution = match solved {
+            Ok(solution) => solution,
+            // A stiffer program is better conditioned.
+            Err(PlanError::Solver { .. }) if stiffness < STIFFNESS_RANGE[1] => {
+                stiffness *= STIFFNESS_GROWTH;
+                outcome.refused += 1;
+                continue;
+            }
+            Err(error) => return Err(SixDofError::Solver(error)),
+        };
+        outcome.solver_iterations += solution.iterations;
+        let (next, virtual_control) = subproblem.extract(&outcome.trajectory.iterate, &solution.x);
+        let model = merit(next.states[grid.nodes() - 1][0], virtual_control);
+        let candidate = Trajectory::new(problem, grid, next);
+        let (defect_sum, defect_max) = candidate.defect(scale);
+        let candidate_merit = merit(candidate.end_mass_kg(), defect_sum);
+        let share = (reference_merit - candidate_merit) / (reference_merit - model);
+        let fuel_change =
+            (candidate.end_mass_kg() - outcome.trajectory.end_mass_kg()).abs() / scale.state[0];
+        #[cfg(feature = "trace")]
+        eprintln!("{:2} k {stiffness:.1e} it {} vc {virtual_control:.2e} defect {defect_max:.2e} merit {candidate_merit:.6} share {share:.3} fuel {:.5} steps {:?}", outcome.solves, solution.iterations, problem.mass_kg()-candidate.end_mass_kg(), candidate.iterate.step_s);
+        let converged = defect_max <= DEFECT && fuel_change <= FUEL_CHANGE;
+        if converged || reference_merit.is_infinite() || share > REFUSED {
+            outcome.trajectory = candidate;
+            outcome.virtual_control = virtual_control;
+            reference_merit = candidate_merit;
+        } else {
+            outcome.refused += 1;
+        }
+        if converged {
+            outcome.converged = true;
+            break;
+        }
+        if share > GOOD {
+            stiffness *= STIFFNESS_CUT;
+        } else if share < 0.5 * GOOD {
+            stiffness *= STIFFNESS_GROWTH;
+        }
+        stiffness = stiffness.clamp(STIFFNESS_RANGE[0], STIFFNESS_RANGE[1]);
+    }
+    Ok(outcome)
+}
