@@ -14,5 +14,6 @@ fn main() {
         actuators: Actuators::of(&vehicle),
         limits: Limits { tilt_max_rad: 29_f64.to_radians(), rate_max_rad_s: 0.8, glide_slope_rad: None, end_tilt_max_rad: 1_f64.to_radians(), end_rate_max_rad_s: 1_f64.to_radians() },
     };
-    println!("{:?}", solve(&problem, &SixDofSettings { structure, ..Default::default() }));
+    let p = solve(&problem, &SixDofSettings { structure, ..Default::default() }).unwrap();
+    println!("{:.4} kg {:#?}", p.propellant_kg(), p.report);
 }

@@ -25,8 +25,8 @@ pub enum SixDofError {
     )]
     Target { miss_m: f64, miss_m_s: f64, miss_rad: f64, miss_rad_s: f64 },
     /// A limit is exceeded at a node.
-    #[error("{limit} exceeded by {excess:.2e} at t = {t_s:.2} s, allowed {allowed:.0e}")]
-    Limit { limit: &'static str, excess: f64, t_s: f64, allowed: f64 },
+    #[error("{limit} exceeded by {excess:.2e}, allowed {allowed:.0e}")]
+    Limit { limit: &'static str, excess: f64, allowed: f64 },
     /// The plan needs more propellant than is on board.
     #[error("infeasible: {needed_kg:.3} kg of propellant needed, {available_kg:.3} kg on board")]
     Fuel { needed_kg: f64, available_kg: f64 },

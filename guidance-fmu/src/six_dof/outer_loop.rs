@@ -7,17 +7,19 @@ use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use crate::scvx::{ConicSolver, PlanError};
 
 /// Converged largest scaled shooting defect: 1e-8 of a few hundred metres is a few µm an interval.
-const DEFECT: f64 = 1e-8;
+const DEFECT: f64 = 1e-7;
 /// Converged change of the scaled propellant between two iterations.
 const FUEL_CHANGE: f64 = 1e-4;
 /// Proximal weight: initial, factors after a good and a bad step, and its range.
-const STIFFNESS_START: f64 = 0.1;
+pub(super) const STIFFNESS_START: f64 = 0.1;
 const STIFFNESS_CUT: f64 = 0.25;
 const STIFFNESS_GROWTH: f64 = 5.0;
 const STIFFNESS_RANGE: [f64; 2] = [1e-3, 1e4];
 /// Share of the predicted decrease below which a step is refused, and above which it is good.
 const REFUSED: f64 = 0.05;
 const GOOD: f64 = 0.6;
+/// Predicted decrease of the merit below which nothing more is gained.
+const STALL: f64 = 1e-9;
 
 /// Best trajectory of a loop and the work it took.
 pub(super) struct Outcome {
@@ -52,6 +54,9 @@ pub(super) fn iterate(
     let mut stiffness = STIFFNESS_START;
     // The guess need not keep the limits: the first step is always taken.
     let mut reference_merit = f64::INFINITY;
+    let mut settled = false;
+    // After a refused step the next good one doesn't soften, or steps would be refused in turn.
+    let mut cautious = false;
 
     while outcome.solves < settings.solves_max {
         outcome.solves += 1;
@@ -83,7 +88,8 @@ pub(super) fn iterate(
         #[cfg(feature = "trace")]
         eprintln!("{:2} k {stiffness:.1e} it {} vc {virtual_control:.2e} defect {defect_max:.2e} merit {candidate_merit:.6} share {share:.3} fuel {:.5} steps {:?}", outcome.solves, solution.iterations, problem.mass_kg()-candidate.end_mass_kg(), candidate.iterate.step_s);
         let converged = defect_max <= DEFECT && fuel_change <= FUEL_CHANGE;
-        if converged || reference_merit.is_infinite() || share > REFUSED {
+        let accepted = converged || reference_merit.is_infinite() || share > REFUSED;
+        if accepted {
             outcome.trajectory = candidate;
             outcome.virtual_control = virtual_control;
             reference_merit = candidate_merit;
@@ -94,11 +100,18 @@ pub(super) fn iterate(
             outcome.converged = true;
             break;
         }
-        if share > GOOD {
-            stiffness *= STIFFNESS_CUT;
+        if reference_merit - model < STALL {
+            break;
+        }
+        settled |= accepted && fuel_change < 2e-3 && defect_max < 1e-3;
+        if settled {
+            stiffness *= STIFFNESS_GROWTH;
+        } else if share > GOOD {
+            stiffness *= if cautious { 1.0 } else { STIFFNESS_CUT };
         } else if share < 0.5 * GOOD {
             stiffness *= STIFFNESS_GROWTH;
         }
+        cautious = !accepted;
         stiffness = stiffness.clamp(STIFFNESS_RANGE[0], STIFFNESS_RANGE[1]);
     }
     Ok(outcome)

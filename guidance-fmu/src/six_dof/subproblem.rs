@@ -1,6 +1,6 @@
 //! The convex subproblem about a reference (G.77), in scaled deviations from it.
 
-use super::dynamics::{Q, R, State, TORQUE, V, W};
+use super::dynamics::{Q, R, TORQUE, V, W, quaternion};
 use super::problem::SixDofProblem;
 use super::shooting::{END_CONTROL, LENGTH, START_CONTROL};
 use super::trajectory::{Grid, Interval, Iterate, Scale, Trajectory};
@@ -8,7 +8,7 @@ use crate::scvx::{Affine, Program};
 
 /// Price of a scaled unit of virtual control against the scaled propellant: above the multipliers
 /// of the dynamics, of order one in these units, so that the penalty is exact.
-pub(super) const DEFECT_WEIGHT: f64 = 1e2;
+pub(super) const DEFECT_WEIGHT: f64 = 1e1;
 /// Trust radius on the relative change of a duration.
 const DURATION_TRUST: f64 = 0.5;
 /// Proximal weight of the variables that enter the dynamics linearly, against the others'.
@@ -149,7 +149,7 @@ impl Subproblem<'_> {
             pin(last, R + axis, problem.r_f_w[axis]);
             pin(last, V + axis, problem.v_f_w[axis]);
         }
-        let q = super::dynamics::quaternion(&reference.states[0]);
+        let q = quaternion(&reference.states[0]);
         if problem.start.attitude_wb.is_some() {
             (0..4).for_each(|k| pin(0, Q + k, q[k]));
         } else {
@@ -287,9 +287,4 @@ fn sum(mut row: Affine, other: Affine) -> Affine {
     row.terms.extend(other.terms);
     row.constant += other.constant;
     row
-}
-
-/// Largest scaled entry of a state, for messages and convergence.
-pub(super) fn largest(scale: &Scale, x: &State) -> f64 {
-    x.component_div(&scale.state).amax()
 }

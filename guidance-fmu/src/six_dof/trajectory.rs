@@ -78,24 +78,12 @@ pub(super) struct Iterate {
 }
 
 impl Iterate {
-    /// Puts every attitude back on the unit sphere, which a linear step leaves to second order.
+    /// Puts the first attitude back on the unit sphere, which a linear step leaves to second order;
+    /// the dynamics keep the others there.
     pub fn normalise(&mut self) {
-        for x in &mut self.states {
-            let norm = x.fixed_rows::<4>(Q).norm();
-            let mut q = x.fixed_rows_mut::<4>(Q);
-            q /= norm;
-        }
-    }
-
-    /// Start of every control node's time, s: those of a phase share its ends.
-    pub fn control_times_s(&self, grid: &Grid) -> Vec<f64> {
-        let mut start_s = 0.0;
-        let mut times_s = Vec::new();
-        for (phase, step_s) in grid.phases.iter().zip(&self.step_s) {
-            times_s.extend((0..=phase.intervals).map(|n| start_s + n as f64 * step_s));
-            start_s += phase.intervals as f64 * step_s;
-        }
-        times_s
+        let norm = self.states[0].fixed_rows::<4>(Q).norm();
+        let mut q = self.states[0].fixed_rows_mut::<4>(Q);
+        q /= norm;
     }
 }
 

@@ -1,0 +1,240 @@
+//! A plan in six degrees of freedom, as plain data.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::dynamics::{Q, R, State, TORQUE, V, W};
+use super::problem::SixDofProblem;
+use super::trajectory::{Grid, Iterate};
+use crate::scvx::Phase;
+
+/// State at a node of a plan; positions and velocities are those of the centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SixDofNode {
+    /// Time since the start of the plan, s.
+    pub t_s: f64,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Position, m.
+    pub r_w: Vector3<f64>,
+    /// Velocity, m/s.
+    pub v_w: Vector3<f64>,
+    /// Attitude, body to world.
+    pub attitude_wb: UnitQuaternion<f64>,
+    /// Body rates, rad/s.
+    pub rate_b: Vector3<f64>,
+}
+
+/// Thrust and thruster torque in body axes; zero thrust in a coast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SixDofControl {
+    /// Thrust on the gimbal pivot, N.
+    pub thrust_b: Vector3<f64>,
+    /// Torque by thrusters, N m.
+    pub torque_b: Vector3<f64>,
+}
+
+/// How far a plan leaves its limits at worst; zero or less inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Excess {
+    /// Tilt of body z, rad.
+    pub tilt_rad: f64,
+    /// Body rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Horizontal distance outside the glide slope, m.
+    pub glide_slope_m: f64,
+    /// Thrust beyond its ceiling or under its floor, N.
+    pub thrust_n: f64,
+    /// Gimbal angle, rad.
+    pub gimbal_rad: f64,
+    /// Rate of the axial thrust, N/s.
+    pub thrust_rate_n_s: f64,
+    /// Gimbal rate, rad/s: its mean from node to node, or at an instant.
+    pub gimbal_rate_rad_s: f64,
+    /// Thruster torque about an axis, N m.
+    pub torque_nm: f64,
+}
+
+/// How a plan was found and how well it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SixDofReport {
+    /// Conic solves of the outer loop.
+    pub outer_iterations: u32,
+    /// Of these, solved without being accepted.
+    pub refused_steps: u32,
+    /// Interior-point iterations over all conic solves.
+    pub solver_iterations: u32,
+    /// Conic solves of the translation's plan that the loop started from.
+    pub translation_iterations: u32,
+    /// Propellant of that plan, kg.
+    pub translation_propellant_kg: f64,
+    /// Virtual control left in the last conic solution, scaled sum.
+    pub virtual_control: f64,
+    /// Largest shooting defect of an interval: position, m.
+    pub defect_m: f64,
+    /// Velocity, m/s.
+    pub defect_m_s: f64,
+    /// Miss of the independent re-propagation against the target: position, m.
+    pub miss_m: f64,
+    /// Velocity, m/s.
+    pub miss_m_s: f64,
+    /// Against the planned end: attitude, rad.
+    pub miss_rad: f64,
+    /// Body rates, rad/s.
+    pub miss_rad_s: f64,
+    /// Tilt of body z at the end as re-propagated, rad.
+    pub end_tilt_rad: f64,
+    /// Body rate at the end as re-propagated, rad/s.
+    pub end_rate_rad_s: f64,
+    /// Over the nodes as planned.
+    pub at_nodes: Excess,
+    /// Over the whole flight as re-propagated.
+    pub between_nodes: Excess,
+}
+
+/// A trajectory that keeps (G.70)-(G.74). Controls are linear in time within each interval.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SixDofPlan {
+    /// Burns and coasts in order of time.
+    pub phases: Vec<Phase>,
+    /// States at the ends of the intervals: one more than intervals.
+    pub nodes: Vec<SixDofNode>,
+    /// Controls at the ends of the intervals, phase by phase: they may jump between phases.
+    pub controls: Vec<Vec<SixDofControl>>,
+    /// How the plan was found and how well it holds.
+    pub report: SixDofReport,
+}
+
+impl SixDofPlan {
+    pub(super) fn new(grid: &Grid, iterate: &Iterate, report: SixDofReport) -> Self {
+        let (mut phases, mut controls) = (Vec::new(), Vec::new());
+        let mut nodes = vec![SixDofNode::new(0.0, &iterate.states[0])];
+        let (mut start_s, mut first) = (0.0, 0);
+        for (phase, &step_s) in grid.phases.iter().zip(&iterate.step_s) {
+            let intervals = phase.intervals;
+            let duration_s = step_s * intervals as f64;
+            phases.push(Phase { powered: phase.powered, start_s, duration_s, intervals });
+            for n in 1..=intervals {
+                let state = &iterate.states[nodes.len()];
+                nodes.push(SixDofNode::new(start_s + step_s * n as f64, state));
+            }
+            let ends = &iterate.controls[first..=first + intervals];
+            let control = |u: &super::dynamics::Control| SixDofControl {
+                // A coast's thrust is zero to the solver's tolerance; the engine is off.
+                thrust_b: if phase.powered { u.fixed_rows::<3>(0).into() } else { Vector3::zeros() },
+                torque_b: u.fixed_rows::<3>(TORQUE).into(),
+            };
+            controls.push(ends.iter().map(control).collect());
+            start_s += duration_s;
+            first += intervals + 1;
+        }
+        Self { phases, nodes, controls, report }
+    }
+
+    /// Length of the plan, s.
+    pub fn duration_s(&self) -> f64 {
+        self.nodes.last().map_or(0.0, |node| node.t_s)
+    }
+
+    /// Propellant the engine uses, kg; that of the thrusters is not counted.
+    pub fn propellant_kg(&self) -> f64 {
+        match (self.nodes.first(), self.nodes.last()) {
+            (Some(first), Some(last)) => first.mass_kg - last.mass_kg,
+            _ => 0.0,
+        }
+    }
+
+    /// Control at `t_s` since the start, held at the ends outside of the plan; at a switch, that of
+    /// the phase that begins.
+    pub fn control(&self, t_s: f64) -> SixDofControl {
+        let started = self.phases.partition_point(|phase| phase.start_s <= t_s);
+        self.control_in(started.saturating_sub(1), t_s)
+    }
+
+    /// Control of one phase at `t_s`, held at the phase's ends outside of it.
+    pub(super) fn control_in(&self, phase: usize, t_s: f64) -> SixDofControl {
+        let (phase, controls) = (&self.phases[phase], &self.controls[phase]);
+        let at = (t_s - phase.start_s) / phase.duration_s * phase.intervals as f64;
+        let at = at.clamp(0.0, phase.intervals as f64);
+        let k = (at as usize).min(phase.intervals - 1);
+        let (share, start, end) = (at - k as f64, &controls[k], &controls[k + 1]);
+        SixDofControl {
+            thrust_b: start.thrust_b.lerp(&end.thrust_b, share),
+            torque_b: start.torque_b.lerp(&end.torque_b, share),
+        }
+    }
+}
+
+impl SixDofNode {
+    pub(super) fn new(t_s: f64, x: &State) -> Self {
+        let q = Quaternion::new(x[Q], x[Q + 1], x[Q + 2], x[Q + 3]);
+        Self {
+            t_s,
+            mass_kg: x[0],
+            r_w: x.fixed_rows::<3>(R).into(),
+            v_w: x.fixed_rows::<3>(V).into(),
+            attitude_wb: UnitQuaternion::from_quaternion(q),
+            rate_b: x.fixed_rows::<3>(W).into(),
+        }
+    }
+
+    /// Angle of body z from the vertical, rad.
+    pub fn tilt_rad(&self) -> f64 {
+        // From the sine of the half angle: the cosine is blind near upright.
+        2.0 * self.attitude_wb.imag().xy().norm().min(1.0).asin()
+    }
+}
+
+impl Excess {
+    /// Of a plan about which nothing is known yet.
+    pub(super) const NONE: Self = Self {
+        tilt_rad: f64::NEG_INFINITY,
+        rate_rad_s: f64::NEG_INFINITY,
+        glide_slope_m: f64::NEG_INFINITY,
+        thrust_n: f64::NEG_INFINITY,
+        gimbal_rad: f64::NEG_INFINITY,
+        thrust_rate_n_s: f64::NEG_INFINITY,
+        gimbal_rate_rad_s: f64::NEG_INFINITY,
+        torque_nm: f64::NEG_INFINITY,
+    };
+
+    /// Takes in one state of the path.
+    pub(super) fn see_state(&mut self, problem: &SixDofProblem, node: &SixDofNode) {
+        let limits = &problem.limits;
+        self.tilt_rad = self.tilt_rad.max(node.tilt_rad() - limits.tilt_max_rad);
+        self.rate_rad_s = self.rate_rad_s.max(node.rate_b.norm() - limits.rate_max_rad_s);
+        if let Some(angle_rad) = limits.glide_slope_rad {
+            let off_w = node.r_w - problem.r_f_w;
+            let outside_m = off_w.xy().norm() - off_w.z * angle_rad.tan();
+            self.glide_slope_m = self.glide_slope_m.max(outside_m);
+        }
+    }
+
+    /// Takes in one control.
+    pub(super) fn see_control(&mut self, problem: &SixDofProblem, u: &SixDofControl, powered: bool) {
+        let actuators = &problem.actuators;
+        let torque = u.torque_b.abs() - actuators.torque_max_b;
+        self.torque_nm = self.torque_nm.max(torque.max());
+        if powered {
+            let thrust_n = u.thrust_b.norm();
+            let out = (thrust_n - actuators.thrust_max_n).max(actuators.thrust_min_n - thrust_n);
+            self.thrust_n = self.thrust_n.max(out);
+            let gimbal_rad = u.thrust_b.xy().norm().atan2(u.thrust_b.z);
+            self.gimbal_rad = self.gimbal_rad.max(gimbal_rad - actuators.gimbal_max_rad);
+        }
+    }
+
+    /// Takes in the rates of a powered interval.
+    pub(super) fn see_rates(
+        &mut self,
+        problem: &SixDofProblem,
+        thrust_rate_n_s: f64,
+        gimbal_rate_rad_s: f64,
+    ) {
+        let actuators = &problem.actuators;
+        self.thrust_rate_n_s =
+            self.thrust_rate_n_s.max(thrust_rate_n_s - actuators.thrust_rate_max_n_s);
+        self.gimbal_rate_rad_s =
+            self.gimbal_rate_rad_s.max(gimbal_rate_rad_s - actuators.gimbal_rate_max_rad_s);
+    }
+}

@@ -1,0 +1,118 @@
+//! From the translation's plan to a checked plan in six degrees of freedom.
+
+use super::error::SixDofError;
+use super::guess;
+use super::outer_loop::{self, Outcome};
+use super::plan::{Excess, SixDofPlan, SixDofReport};
+use super::problem::{SixDofProblem, SixDofSettings};
+use super::subproblem::Subproblem;
+use super::trajectory::{Grid, Iterate, Scale, Trajectory};
+use super::dynamics::{R, V};
+use super::verify;
+use crate::scvx::{self, Plan, Program};
+
+/// Virtual control (scaled sum) above which the dynamics and the limits don't meet.
+const VIRTUAL_CONTROL_MAX: f64 = 1e-6;
+
+/// Plans from nothing: the translation's plan gives the phases and the first guess.
+pub fn solve(
+    problem: &SixDofProblem,
+    settings: &SixDofSettings,
+) -> Result<SixDofPlan, SixDofError> {
+    let translation = translation(problem, settings)?;
+    let (grid, scale, guess) = begin(problem, settings, &translation);
+    let outcome = outer_loop::iterate(problem, settings, &grid, &scale, guess)?;
+    let trajectory = &outcome.trajectory;
+    let defect = |row: usize| {
+        let parts = trajectory.defects.iter().map(|d| d.fixed_rows::<3>(row).norm());
+        parts.fold(0.0, f64::max)
+    };
+    let report = SixDofReport {
+        outer_iterations: outcome.solves,
+        refused_steps: outcome.refused,
+        solver_iterations: outcome.solver_iterations,
+        translation_iterations: translation.report.outer_iterations,
+        translation_propellant_kg: translation.propellant_kg(),
+        virtual_control: outcome.virtual_control,
+        defect_m: defect(R),
+        defect_m_s: defect(V),
+        miss_m: f64::NAN,
+        miss_m_s: f64::NAN,
+        miss_rad: f64::NAN,
+        miss_rad_s: f64::NAN,
+        end_tilt_rad: f64::NAN,
+        end_rate_rad_s: f64::NAN,
+        at_nodes: Excess::NONE,
+        between_nodes: Excess::NONE,
+    };
+    let mut plan = SixDofPlan::new(&grid, &trajectory.iterate, report);
+    let flown = verify::fly(problem, &plan);
+    let planned = plan.nodes[grid.nodes() - 1];
+    plan.report = SixDofReport {
+        miss_m: (flown.end.r_w - problem.r_f_w).norm(),
+        miss_m_s: (flown.end.v_w - problem.v_f_w).norm(),
+        miss_rad: flown.end.attitude_wb.angle_to(&planned.attitude_wb),
+        miss_rad_s: (flown.end.rate_b - planned.rate_b).norm(),
+        end_tilt_rad: flown.end.tilt_rad(),
+        end_rate_rad_s: flown.end.rate_b.norm(),
+        at_nodes: verify::at_nodes(problem, &plan),
+        between_nodes: flown.excess,
+        ..report
+    };
+    converged(&outcome, plan.report.miss_m)?;
+    verify::accept(problem, &plan)?;
+    Ok(plan)
+}
+
+/// The first conic program that [`solve`] solves, to measure solvers on. Errors: as `solve`.
+pub fn subproblem(
+    problem: &SixDofProblem,
+    settings: &SixDofSettings,
+) -> Result<Program, SixDofError> {
+    let translation = translation(problem, settings)?;
+    let (grid, scale, guess) = begin(problem, settings, &translation);
+    let phase_min_s = settings.phase_min_s;
+    let subproblem = Subproblem { problem, grid: &grid, scale: &scale, phase_min_s };
+    let reference = Trajectory::new(problem, &grid, guess);
+    Ok(subproblem.build(&reference, outer_loop::STIFFNESS_START))
+}
+
+/// Checks the inputs and plans the centre of mass alone.
+fn translation(problem: &SixDofProblem, settings: &SixDofSettings) -> Result<Plan, SixDofError> {
+    problem.validate()?;
+    settings.validate()?;
+    let (start, limits) = (&problem.start, &problem.limits);
+    let lean = start.attitude_wb.map_or(0.0, |q| 2.0 * q.imag().xy().norm().min(1.0).asin());
+    for (limit, excess) in [
+        ("tilt", lean - limits.tilt_max_rad),
+        ("body rate", start.rate_b.norm() - limits.rate_max_rad_s),
+    ] {
+        if excess > 0.0 {
+            return Err(SixDofError::Start { limit, excess });
+        }
+    }
+    let settings = scvx::Settings { structure: settings.structure, ..scvx::Settings::default() };
+    scvx::plan(&problem.translation(), &settings).map_err(SixDofError::Translation)
+}
+
+fn begin(
+    problem: &SixDofProblem,
+    settings: &SixDofSettings,
+    translation: &Plan,
+) -> (Grid, Scale, Iterate) {
+    let (grid, guess) = guess::from_translation(problem, settings, translation);
+    let scale = Scale::new(problem, translation.propellant_kg(), translation.duration_s());
+    (grid, scale, guess)
+}
+
+/// Why a loop ended without convergence.
+fn converged(outcome: &Outcome, miss_m: f64) -> Result<(), SixDofError> {
+    let left = outcome.virtual_control;
+    if outcome.converged {
+        Ok(())
+    } else if left > VIRTUAL_CONTROL_MAX {
+        Err(SixDofError::VirtualControl { left, limit: VIRTUAL_CONTROL_MAX, miss_m })
+    } else {
+        Err(SixDofError::IterationBudget { solves: outcome.solves })
+    }
+}
