@@ -21,34 +21,59 @@ const GOOD: f64 = 0.6;
 /// Predicted decrease of the merit below which nothing more is gained.
 const STALL: f64 = 1e-9;
 
-/// Best trajectory of a loop and the work it took.
+/// Work done by one call, against its budget.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work {
+    pub solves: u32,
+    pub refused: u32,
+    pub solver_iterations: u32,
+    pub tightenings: u32,
+    solves_max: u32,
+    solver_iterations_max: u32,
+    phase_min_s: f64,
+}
+
+impl Work {
+    pub fn new(settings: &SixDofSettings) -> Self {
+        Self {
+            solves: 0,
+            refused: 0,
+            solver_iterations: 0,
+            tightenings: 0,
+            solves_max: settings.solves_max,
+            solver_iterations_max: settings.solver_iterations_max,
+            phase_min_s: settings.phase_min_s,
+        }
+    }
+
+    pub fn spent(&self) -> bool {
+        self.solves >= self.solves_max
+    }
+}
+
+/// Best trajectory of a loop.
 pub(super) struct Outcome {
     pub trajectory: Trajectory,
     pub converged: bool,
     /// Virtual control of the last accepted solution, scaled sum.
     pub virtual_control: f64,
-    pub solves: u32,
-    pub refused: u32,
-    pub solver_iterations: u32,
 }
 
-/// Iterates from `guess` until the defects vanish and the propellant rests, or the budget is spent.
+/// Iterates from `start` until the defects vanish and the propellant rests, or the budget is spent.
 pub(super) fn iterate(
     problem: &SixDofProblem,
-    settings: &SixDofSettings,
     grid: &Grid,
     scale: &Scale,
-    guess: Iterate,
+    start: Iterate,
+    work: &mut Work,
 ) -> Result<Outcome, SixDofError> {
-    let subproblem = Subproblem { problem, grid, scale, phase_min_s: settings.phase_min_s };
-    let merit = |end_mass_kg: f64, defect: f64| DEFECT_WEIGHT * defect - end_mass_kg / scale.state[0];
+    let subproblem = Subproblem { problem, grid, scale, phase_min_s: work.phase_min_s };
+    let merit =
+        |end_mass_kg: f64, defect: f64| DEFECT_WEIGHT * defect - end_mass_kg / scale.state[0];
     let mut outcome = Outcome {
-        trajectory: Trajectory::new(problem, grid, guess),
+        trajectory: Trajectory::new(problem, grid, start),
         converged: false,
         virtual_control: f64::INFINITY,
-        solves: 0,
-        refused: 0,
-        solver_iterations: 0,
     };
     let mut solver: Option<ConicSolver> = None;
     let mut stiffness = STIFFNESS_START;
@@ -58,12 +83,12 @@ pub(super) fn iterate(
     // After a refused step the next good one doesn't soften, or steps would be refused in turn.
     let mut cautious = false;
 
-    while outcome.solves < settings.solves_max {
-        outcome.solves += 1;
+    while !work.spent() {
+        work.solves += 1;
         let program = subproblem.build(&outcome.trajectory, stiffness);
         let solved = match &mut solver {
             Some(solver) => solver.solve(&program),
-            empty => ConicSolver::new(&program, settings.solver_iterations_max)
+            empty => ConicSolver::new(&program, work.solver_iterations_max)
                 .and_then(|new| empty.insert(new).solve(&program)),
         };
         let solution = match solved {
@@ -71,12 +96,12 @@ pub(super) fn iterate(
             // A stiffer program is better conditioned.
             Err(PlanError::Solver { .. }) if stiffness < STIFFNESS_RANGE[1] => {
                 stiffness *= STIFFNESS_GROWTH;
-                outcome.refused += 1;
+                work.refused += 1;
                 continue;
             }
             Err(error) => return Err(SixDofError::Solver(error)),
         };
-        outcome.solver_iterations += solution.iterations;
+        work.solver_iterations += solution.iterations;
         let (next, virtual_control) = subproblem.extract(&outcome.trajectory.iterate, &solution.x);
         let model = merit(next.states[grid.nodes() - 1][0], virtual_control);
         let candidate = Trajectory::new(problem, grid, next);
@@ -86,7 +111,7 @@ pub(super) fn iterate(
         let fuel_change =
             (candidate.end_mass_kg() - outcome.trajectory.end_mass_kg()).abs() / scale.state[0];
         #[cfg(feature = "trace")]
-        eprintln!("{:2} k {stiffness:.1e} it {} vc {virtual_control:.2e} defect {defect_max:.2e} merit {candidate_merit:.6} share {share:.3} fuel {:.5} steps {:?}", outcome.solves, solution.iterations, problem.mass_kg()-candidate.end_mass_kg(), candidate.iterate.step_s);
+        eprintln!("{:2} k {stiffness:.1e} it {} vc {virtual_control:.2e} defect {defect_max:.2e} merit {candidate_merit:.6} share {share:.3} fuel {:.5} steps {:?}", work.solves, solution.iterations, problem.mass_kg()-candidate.end_mass_kg(), candidate.iterate.step_s);
         let converged = defect_max <= DEFECT && fuel_change <= FUEL_CHANGE;
         let accepted = converged || reference_merit.is_infinite() || share > REFUSED;
         if accepted {
@@ -94,7 +119,7 @@ pub(super) fn iterate(
             outcome.virtual_control = virtual_control;
             reference_merit = candidate_merit;
         } else {
-            outcome.refused += 1;
+            work.refused += 1;
         }
         if converged {
             outcome.converged = true;

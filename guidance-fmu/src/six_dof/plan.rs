@@ -56,7 +56,7 @@ pub struct Excess {
 }
 
 /// How a plan was found and how well it holds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SixDofReport {
     /// Conic solves of the outer loop.
     pub outer_iterations: u32,
@@ -64,6 +64,8 @@ pub struct SixDofReport {
     pub refused_steps: u32,
     /// Interior-point iterations over all conic solves.
     pub solver_iterations: u32,
+    /// Times that the limits at the nodes were drawn in to hold between them.
+    pub tightenings: u32,
     /// Conic solves of the translation's plan that the loop started from.
     pub translation_iterations: u32,
     /// Propellant of that plan, kg.
@@ -106,7 +108,8 @@ pub struct SixDofPlan {
 }
 
 impl SixDofPlan {
-    pub(super) fn new(grid: &Grid, iterate: &Iterate, report: SixDofReport) -> Self {
+    /// The plan of an iterate; the report is still empty.
+    pub(super) fn new(grid: &Grid, iterate: &Iterate) -> Self {
         let (mut phases, mut controls) = (Vec::new(), Vec::new());
         let mut nodes = vec![SixDofNode::new(0.0, &iterate.states[0])];
         let (mut start_s, mut first) = (0.0, 0);
@@ -128,7 +131,7 @@ impl SixDofPlan {
             start_s += duration_s;
             first += intervals + 1;
         }
-        Self { phases, nodes, controls, report }
+        Self { phases, nodes, controls, report: SixDofReport::default() }
     }
 
     /// Length of the plan, s.
@@ -185,19 +188,24 @@ impl SixDofNode {
     }
 }
 
-impl Excess {
-    /// Of a plan about which nothing is known yet.
-    pub(super) const NONE: Self = Self {
-        tilt_rad: f64::NEG_INFINITY,
-        rate_rad_s: f64::NEG_INFINITY,
-        glide_slope_m: f64::NEG_INFINITY,
-        thrust_n: f64::NEG_INFINITY,
-        gimbal_rad: f64::NEG_INFINITY,
-        thrust_rate_n_s: f64::NEG_INFINITY,
-        gimbal_rate_rad_s: f64::NEG_INFINITY,
-        torque_nm: f64::NEG_INFINITY,
-    };
+impl Default for Excess {
+    /// Of a plan of which nothing has been seen.
+    fn default() -> Self {
+        let unseen = f64::NEG_INFINITY;
+        Self {
+            tilt_rad: unseen,
+            rate_rad_s: unseen,
+            glide_slope_m: unseen,
+            thrust_n: unseen,
+            gimbal_rad: unseen,
+            thrust_rate_n_s: unseen,
+            gimbal_rate_rad_s: unseen,
+            torque_nm: unseen,
+        }
+    }
+}
 
+impl Excess {
     /// Takes in one state of the path.
     pub(super) fn see_state(&mut self, problem: &SixDofProblem, node: &SixDofNode) {
         let limits = &problem.limits;

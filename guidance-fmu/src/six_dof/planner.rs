@@ -2,9 +2,9 @@
 
 use super::error::SixDofError;
 use super::guess;
-use super::outer_loop::{self, Outcome};
-use super::plan::{Excess, SixDofPlan, SixDofReport};
-use super::problem::{SixDofProblem, SixDofSettings};
+use super::outer_loop::{self, Outcome, Work};
+use super::plan::{SixDofPlan, SixDofReport};
+use super::problem::{Limits, SixDofProblem, SixDofSettings};
 use super::subproblem::Subproblem;
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use super::dynamics::{R, V};
@@ -21,34 +21,58 @@ pub fn solve(
 ) -> Result<SixDofPlan, SixDofError> {
     let translation = translation(problem, settings)?;
     let (grid, scale, guess) = begin(problem, settings, &translation);
-    let outcome = outer_loop::iterate(problem, settings, &grid, &scale, guess)?;
+    let mut work = Work::new(settings);
+    let mut tightened = problem.clone();
+    let mut start = guess;
+    loop {
+        let outcome = outer_loop::iterate(&tightened, &grid, &scale, start, &mut work)?;
+        let plan = measure(problem, &grid, &outcome, &work, &translation);
+        converged(&outcome, &work, plan.report.miss_m)?;
+        if !tighten(&mut tightened.limits, problem, &plan) || work.spent() {
+            return verify::accept(problem, &plan).map(|()| plan);
+        }
+        work.tightenings += 1;
+        start = outcome.trajectory.iterate;
+    }
+}
+
+/// Draws the limits at the nodes in by what the flight between them exceeds (G.79); whether any is.
+fn tighten(limits: &mut Limits, problem: &SixDofProblem, plan: &SixDofPlan) -> bool {
+    let allowed = verify::between_nodes_max(problem);
+    let flown = &plan.report.between_nodes;
+    let excesses = [flown.tilt_rad, flown.rate_rad_s];
+    let [tilt, rate] = [0, 1].map(|n| if excesses[n] > allowed[n] { excesses[n] } else { 0.0 });
+    limits.tilt_max_rad = (limits.tilt_max_rad - tilt).max(limits.end_tilt_max_rad);
+    limits.rate_max_rad_s = (limits.rate_max_rad_s - rate).max(limits.end_rate_max_rad_s);
+    tilt > 0.0 || rate > 0.0
+}
+
+/// The plan of a loop with its report.
+fn measure(
+    problem: &SixDofProblem,
+    grid: &Grid,
+    outcome: &Outcome,
+    work: &Work,
+    translation: &Plan,
+) -> SixDofPlan {
     let trajectory = &outcome.trajectory;
     let defect = |row: usize| {
         let parts = trajectory.defects.iter().map(|d| d.fixed_rows::<3>(row).norm());
         parts.fold(0.0, f64::max)
     };
-    let report = SixDofReport {
-        outer_iterations: outcome.solves,
-        refused_steps: outcome.refused,
-        solver_iterations: outcome.solver_iterations,
+    let mut plan = SixDofPlan::new(grid, &trajectory.iterate);
+    let flown = verify::fly(problem, &plan);
+    let planned = plan.nodes[grid.nodes() - 1];
+    plan.report = SixDofReport {
+        outer_iterations: work.solves,
+        refused_steps: work.refused,
+        solver_iterations: work.solver_iterations,
+        tightenings: work.tightenings,
         translation_iterations: translation.report.outer_iterations,
         translation_propellant_kg: translation.propellant_kg(),
         virtual_control: outcome.virtual_control,
         defect_m: defect(R),
         defect_m_s: defect(V),
-        miss_m: f64::NAN,
-        miss_m_s: f64::NAN,
-        miss_rad: f64::NAN,
-        miss_rad_s: f64::NAN,
-        end_tilt_rad: f64::NAN,
-        end_rate_rad_s: f64::NAN,
-        at_nodes: Excess::NONE,
-        between_nodes: Excess::NONE,
-    };
-    let mut plan = SixDofPlan::new(&grid, &trajectory.iterate, report);
-    let flown = verify::fly(problem, &plan);
-    let planned = plan.nodes[grid.nodes() - 1];
-    plan.report = SixDofReport {
         miss_m: (flown.end.r_w - problem.r_f_w).norm(),
         miss_m_s: (flown.end.v_w - problem.v_f_w).norm(),
         miss_rad: flown.end.attitude_wb.angle_to(&planned.attitude_wb),
@@ -57,11 +81,8 @@ pub fn solve(
         end_rate_rad_s: flown.end.rate_b.norm(),
         at_nodes: verify::at_nodes(problem, &plan),
         between_nodes: flown.excess,
-        ..report
     };
-    converged(&outcome, plan.report.miss_m)?;
-    verify::accept(problem, &plan)?;
-    Ok(plan)
+    plan
 }
 
 /// The first conic program that [`solve`] solves, to measure solvers on. Errors: as `solve`.
@@ -71,8 +92,12 @@ pub fn subproblem(
 ) -> Result<Program, SixDofError> {
     let translation = translation(problem, settings)?;
     let (grid, scale, guess) = begin(problem, settings, &translation);
-    let phase_min_s = settings.phase_min_s;
-    let subproblem = Subproblem { problem, grid: &grid, scale: &scale, phase_min_s };
+    let subproblem = Subproblem {
+        problem,
+        grid: &grid,
+        scale: &scale,
+        phase_min_s: settings.phase_min_s,
+    };
     let reference = Trajectory::new(problem, &grid, guess);
     Ok(subproblem.build(&reference, outer_loop::STIFFNESS_START))
 }
@@ -106,13 +131,13 @@ fn begin(
 }
 
 /// Why a loop ended without convergence.
-fn converged(outcome: &Outcome, miss_m: f64) -> Result<(), SixDofError> {
+fn converged(outcome: &Outcome, work: &Work, miss_m: f64) -> Result<(), SixDofError> {
     let left = outcome.virtual_control;
     if outcome.converged {
         Ok(())
     } else if left > VIRTUAL_CONTROL_MAX {
         Err(SixDofError::VirtualControl { left, limit: VIRTUAL_CONTROL_MAX, miss_m })
     } else {
-        Err(SixDofError::IterationBudget { solves: outcome.solves })
+        Err(SixDofError::IterationBudget { solves: work.solves })
     }
 }

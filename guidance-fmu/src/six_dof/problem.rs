@@ -194,13 +194,13 @@ pub struct SixDofSettings {
 }
 
 impl Default for SixDofSettings {
-    /// Fifteen intervals for a coast and a burn.
+    /// Fifteen intervals for two burns with a coast between them.
     fn default() -> Self {
         Self {
             structure: None,
-            first_burn_intervals: 4,
-            coast_intervals: 4,
-            last_burn_intervals: 11,
+            first_burn_intervals: 3,
+            coast_intervals: 3,
+            last_burn_intervals: 9,
             phase_min_s: 0.2,
             solves_max: 40,
             solver_iterations_max: 60,

@@ -218,9 +218,11 @@ impl Subproblem<'_> {
             let thrust = per_step(actuators.thrust_rate_max_n_s / actuators.thrust_max_n);
             program.nonnegative(sum(thrust.clone(), rise.clone()));
             program.nonnegative(sum(thrust, scaled(rise, -1.0)));
-            // tan δ at both ends, over the reference's axial thrust.
-            let [start, end] = [control, control + 1]
-                .map(|n| actuators.thrust_max_n / reference.controls[n][2]);
+            // tan δ at both ends, over the reference's axial thrust. With the thrust linear in time
+            // tan δ turns fastest where the axial thrust is least, by this share of its mean rate.
+            let axial_n = [control, control + 1].map(|n| reference.controls[n][2]);
+            let share = (axial_n[0] / axial_n[1]).max(axial_n[1] / axial_n[0]);
+            let [start, end] = axial_n.map(|axial_n| share * actuators.thrust_max_n / axial_n);
             let swing = [0, 1].map(|axis| {
                 sum(scaled(part(control + 1, axis), end), scaled(part(control, axis), -start))
             });

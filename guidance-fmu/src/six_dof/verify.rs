@@ -13,6 +13,9 @@ use super::problem::SixDofProblem;
 pub const MISS_MAX: [f64; 4] = [1e-2, 1e-2, 1.745e-3, 1.745e-3];
 /// Largest accepted excess at a node, relative to the limit.
 pub const NODE_EXCESS_MAX: f64 = 1e-4;
+/// Largest accepted excess of the re-propagated tilt, rad, and of its body rate, relative to the limit.
+const BETWEEN_TILT_MAX_RAD: f64 = 1e-3;
+const BETWEEN_RATE_MAX: f64 = 1e-2;
 /// Longest step, s, in a burn and in a coast: a tenth of the shooting's.
 const STEP_MAX_S: [f64; 2] = [0.01, 0.05];
 
@@ -31,7 +34,7 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
     x.fixed_rows_mut::<3>(V).copy_from(&start.v_w);
     x.fixed_rows_mut::<4>(Q).copy_from(&super::guess::wxyz(&start.attitude_wb));
     x.fixed_rows_mut::<3>(W).copy_from(&start.rate_b);
-    let mut excess = Excess::NONE;
+    let mut excess = Excess::default();
     for (n, phase) in plan.phases.iter().enumerate() {
         let length_s = phase.duration_s / phase.intervals as f64;
         let steps = (length_s / STEP_MAX_S[usize::from(!phase.powered)]).ceil().max(1.0) as usize;
@@ -87,7 +90,7 @@ fn rate(problem: &SixDofProblem, x: &State, u: &SixDofControl) -> State {
 
 /// Limits at the nodes as planned.
 pub(super) fn at_nodes(problem: &SixDofProblem, plan: &SixDofPlan) -> Excess {
-    let mut excess = Excess::NONE;
+    let mut excess = Excess::default();
     plan.nodes[1..].iter().for_each(|node| excess.see_state(problem, node));
     for (phase, controls) in plan.phases.iter().zip(&plan.controls) {
         controls.iter().for_each(|u| excess.see_control(problem, u, phase.powered));
@@ -103,6 +106,11 @@ pub(super) fn at_nodes(problem: &SixDofProblem, plan: &SixDofPlan) -> Excess {
     excess
 }
 
+/// Largest accepted excess of tilt, rad, and body rate, rad/s, anywhere on the flight.
+pub(super) fn between_nodes_max(problem: &SixDofProblem) -> [f64; 2] {
+    [BETWEEN_TILT_MAX_RAD, BETWEEN_RATE_MAX * problem.limits.rate_max_rad_s]
+}
+
 /// Refuses a plan that misses its end, leaves a limit at a node, or needs too much propellant.
 pub(super) fn accept(problem: &SixDofProblem, plan: &SixDofPlan) -> Result<(), SixDofError> {
     let report = &plan.report;
@@ -111,6 +119,16 @@ pub(super) fn accept(problem: &SixDofProblem, plan: &SixDofPlan) -> Result<(), S
     if !miss.iter().zip(MISS_MAX).all(|(miss, limit)| *miss <= limit) {
         let [miss_m, miss_m_s, miss_rad, miss_rad_s] = miss;
         return Err(SixDofError::Target { miss_m, miss_m_s, miss_rad, miss_rad_s });
+    }
+    let between = between_nodes_max(problem);
+    let flown = &report.between_nodes;
+    for (limit, excess, allowed) in [
+        ("tilt between nodes", flown.tilt_rad, between[0]),
+        ("body rate between nodes", flown.rate_rad_s, between[1]),
+    ] {
+        if excess > allowed {
+            return Err(SixDofError::Limit { limit, excess, allowed });
+        }
     }
     let (nodes, actuators, limits) = (&report.at_nodes, &problem.actuators, &problem.limits);
     for (limit, excess, size) in [
