@@ -12,7 +12,7 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::{UnitQuaternion, Vector3};
 use nix::time::{ClockId, clock_gettime};
 
-const STATES: u32 = 100;
+const STATES: u32 = 30;
 
 /// A linear congruential generator (Knuth's MMIX constants): equal states on every machine.
 struct Lcg(u64);
@@ -36,7 +36,10 @@ fn cpu_time() -> Result<Duration, nix::Error> {
 fn main() -> Result<(), Box<dyn Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/vehicles/bug.toml");
     let vehicle = Vehicle::load(file.as_ref())?;
-    let settings = SixDofSettings::default();
+    let mode = std::env::args().nth(1).unwrap_or_default();
+    let settings = if mode == "a" { SixDofSettings { structure: Some(guidance_fmu::scvx::Structure::OffOn), coast_intervals: 4, last_burn_intervals: 11, ..Default::default() } } else { SixDofSettings::default() };
+    let (r, v) = if mode == "a" { (Vector3::new(80.0, 27.0, 180.0), Vector3::new(-18.6, -6.2, -36.0)) } else { (Vector3::new(300.0, 100.0, 500.0), Vector3::new(-15.0, -5.0, -25.0)) };
+    let (dr, dv) = if mode == "a" { (20.0, 3.0) } else { (100.0, 10.0) };
     let mut random = Lcg(1);
     let (mut plan_ms, mut conic_ms, mut solves, mut ratios) = (vec![], vec![], vec![], vec![]);
     for n in 0..STATES {
@@ -45,10 +48,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             mass: vehicle.mass.clone(),
             start: Start {
                 propellant_kg: 85.5,
-                r_w: Vector3::new(300.0, 100.0, 500.0) + random.vector() * 100.0,
-                v_w: Vector3::new(-15.0, -5.0, -25.0) + random.vector() * 10.0,
-                attitude_wb: Some(UnitQuaternion::new(tilt)),
-                rate_b: random.vector() * 0.05,
+                r_w: r + random.vector() * dr,
+                v_w: v + random.vector() * dv,
+                attitude_wb: (mode != "b").then(|| UnitQuaternion::new(tilt)),
+                rate_b: random.vector() * if mode == "b" { 0.0 } else { 0.05 },
             },
             r_f_w: Vector3::zeros(),
             v_f_w: Vector3::zeros(),
@@ -62,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 end_rate_max_rad_s: 1_f64.to_radians(),
             },
         };
-        let program = subproblem(&problem, &settings)?;
+        let program = match subproblem(&problem, &settings) { Ok(p) => p, Err(e) => { println!("state {n}: {e}"); continue } };
         let start = cpu_time()?;
         ConicSolver::new(&program, settings.solver_iterations_max)?.solve(&program)?;
         conic_ms.push((cpu_time()? - start).as_secs_f64() * 1e3);

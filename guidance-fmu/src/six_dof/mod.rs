@@ -13,6 +13,7 @@ mod planner;
 mod problem;
 mod shooting;
 mod subproblem;
+mod swing;
 mod trajectory;
 mod verify;
 

@@ -2,7 +2,7 @@
 
 use super::error::SixDofError;
 use super::problem::{SixDofProblem, SixDofSettings};
-use super::subproblem::{DEFECT_WEIGHT, Subproblem};
+use super::subproblem::{DEFECT_WEIGHT, Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use crate::scvx::{ConicSolver, PlanError};
 
@@ -64,10 +64,11 @@ pub(super) fn iterate(
     problem: &SixDofProblem,
     grid: &Grid,
     scale: &Scale,
+    margins: &[Margin],
     start: Iterate,
     work: &mut Work,
 ) -> Result<Outcome, SixDofError> {
-    let subproblem = Subproblem { problem, grid, scale, phase_min_s: work.phase_min_s };
+    let subproblem = Subproblem { problem, grid, scale, margins, phase_min_s: work.phase_min_s };
     let merit =
         |end_mass_kg: f64, defect: f64| DEFECT_WEIGHT * defect - end_mass_kg / scale.state[0];
     let mut outcome = Outcome {

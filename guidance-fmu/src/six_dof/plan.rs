@@ -206,6 +206,20 @@ impl Default for Excess {
 }
 
 impl Excess {
+    /// The worse of two, limit by limit.
+    pub(super) fn worse(self, other: &Self) -> Self {
+        Self {
+            tilt_rad: self.tilt_rad.max(other.tilt_rad),
+            rate_rad_s: self.rate_rad_s.max(other.rate_rad_s),
+            glide_slope_m: self.glide_slope_m.max(other.glide_slope_m),
+            thrust_n: self.thrust_n.max(other.thrust_n),
+            gimbal_rad: self.gimbal_rad.max(other.gimbal_rad),
+            thrust_rate_n_s: self.thrust_rate_n_s.max(other.thrust_rate_n_s),
+            gimbal_rate_rad_s: self.gimbal_rate_rad_s.max(other.gimbal_rate_rad_s),
+            torque_nm: self.torque_nm.max(other.torque_nm),
+        }
+    }
+
     /// Takes in one state of the path.
     pub(super) fn see_state(&mut self, problem: &SixDofProblem, node: &SixDofNode) {
         let limits = &problem.limits;

@@ -3,9 +3,9 @@
 use super::error::SixDofError;
 use super::guess;
 use super::outer_loop::{self, Outcome, Work};
-use super::plan::{SixDofPlan, SixDofReport};
-use super::problem::{Limits, SixDofProblem, SixDofSettings};
-use super::subproblem::Subproblem;
+use super::plan::{Excess, SixDofPlan, SixDofReport};
+use super::problem::{SixDofProblem, SixDofSettings};
+use super::subproblem::{Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use super::dynamics::{R, V};
 use super::verify;
@@ -13,6 +13,9 @@ use crate::scvx::{self, Plan, Program};
 
 /// Virtual control (scaled sum) above which the dynamics and the limits don't meet.
 const VIRTUAL_CONTROL_MAX: f64 = 1e-6;
+
+/// Times the limits may be drawn in.
+const TIGHTENINGS_MAX: u32 = 4;
 
 /// Plans from nothing: the translation's plan gives the phases and the first guess.
 pub fn solve(
@@ -22,13 +25,14 @@ pub fn solve(
     let translation = translation(problem, settings)?;
     let (grid, scale, guess) = begin(problem, settings, &translation);
     let mut work = Work::new(settings);
-    let mut tightened = problem.clone();
+    let mut margins = vec![Margin::default(); grid.nodes()];
     let mut start = guess;
     loop {
-        let outcome = outer_loop::iterate(&tightened, &grid, &scale, start, &mut work)?;
-        let plan = measure(problem, &grid, &outcome, &work, &translation);
+        let outcome =
+            outer_loop::iterate(problem, &grid, &scale, &margins, start, &mut work)?;
+        let (plan, excesses) = measure(problem, &grid, &outcome, &work, &translation);
         converged(&outcome, &work, plan.report.miss_m)?;
-        if !tighten(&mut tightened.limits, problem, &plan) || work.spent() {
+        if !draw_in(&mut margins, problem, &excesses) || work.tightenings == TIGHTENINGS_MAX {
             return verify::accept(problem, &plan).map(|()| plan);
         }
         work.tightenings += 1;
@@ -36,25 +40,36 @@ pub fn solve(
     }
 }
 
-/// Draws the limits at the nodes in by what the flight between them exceeds (G.79); whether any is.
-fn tighten(limits: &mut Limits, problem: &SixDofProblem, plan: &SixDofPlan) -> bool {
-    let allowed = verify::between_nodes_max(problem);
-    let flown = &plan.report.between_nodes;
-    let excesses = [flown.tilt_rad, flown.rate_rad_s];
-    let [tilt, rate] = [0, 1].map(|n| if excesses[n] > allowed[n] { excesses[n] } else { 0.0 });
-    limits.tilt_max_rad = (limits.tilt_max_rad - tilt).max(limits.end_tilt_max_rad);
-    limits.rate_max_rad_s = (limits.rate_max_rad_s - rate).max(limits.end_rate_max_rad_s);
-    tilt > 0.0 || rate > 0.0
+/// Draws the limits of the nodes in by what the flight beside them exceeds (G.79); whether any is.
+fn draw_in(margins: &mut [Margin], problem: &SixDofProblem, excesses: &[Excess]) -> bool {
+    let allowed = verify::BetweenNodes::new(problem);
+    let mut any = false;
+    for (node, excess) in excesses.iter().enumerate() {
+        for beside in [node, node + 1] {
+            let margin = &mut margins[beside];
+            for (drawn, excess, allowed) in [
+                (&mut margin.tilt_rad, excess.tilt_rad, allowed.tilt_rad),
+                (&mut margin.rate_rad_s, excess.rate_rad_s, allowed.rate_rad_s),
+                (&mut margin.glide_slope_m, excess.glide_slope_m, allowed.glide_slope_m),
+            ] {
+                if excess > allowed {
+                    *drawn += excess;
+                    any = true;
+                }
+            }
+        }
+    }
+    any
 }
 
-/// The plan of a loop with its report.
+/// The plan of a loop with its report, and the excess of each interval as flown.
 fn measure(
     problem: &SixDofProblem,
     grid: &Grid,
     outcome: &Outcome,
     work: &Work,
     translation: &Plan,
-) -> SixDofPlan {
+) -> (SixDofPlan, Vec<Excess>) {
     let trajectory = &outcome.trajectory;
     let defect = |row: usize| {
         let parts = trajectory.defects.iter().map(|d| d.fixed_rows::<3>(row).norm());
@@ -80,9 +95,9 @@ fn measure(
         end_tilt_rad: flown.end.tilt_rad(),
         end_rate_rad_s: flown.end.rate_b.norm(),
         at_nodes: verify::at_nodes(problem, &plan),
-        between_nodes: flown.excess,
+        between_nodes: flown.excesses.iter().fold(Excess::default(), Excess::worse),
     };
-    plan
+    (plan, flown.excesses)
 }
 
 /// The first conic program that [`solve`] solves, to measure solvers on. Errors: as `solve`.
@@ -97,6 +112,7 @@ pub fn subproblem(
         grid: &grid,
         scale: &scale,
         phase_min_s: settings.phase_min_s,
+        margins: &vec![Margin::default(); grid.nodes()],
     };
     let reference = Trajectory::new(problem, &grid, guess);
     Ok(subproblem.build(&reference, outer_loop::STIFFNESS_START))

@@ -3,6 +3,7 @@
 use super::dynamics::{Q, R, TORQUE, V, W, quaternion};
 use super::problem::SixDofProblem;
 use super::shooting::{END_CONTROL, LENGTH, START_CONTROL};
+use super::swing::Swing;
 use super::trajectory::{Grid, Interval, Iterate, Scale, Trajectory};
 use crate::scvx::{Affine, Program};
 
@@ -14,7 +15,8 @@ const DURATION_TRUST: f64 = 0.5;
 /// Proximal weight of the variables that enter the dynamics linearly, against the others'.
 const LINEAR_STIFFNESS: f64 = 1e-3;
 
-/// Columns: nodes, control nodes, phase durations, positive and negative virtual controls.
+/// Columns: nodes, control nodes, phase durations, positive and negative virtual controls, slacks of
+/// the gimbal rate.
 pub(super) struct Columns {
     nodes: usize,
     controls: usize,
@@ -45,9 +47,22 @@ impl Columns {
         [first, first + 1]
     }
 
-    fn len(&self) -> usize {
-        self.virtual_control(self.nodes - 1, 0)[0]
+    /// Excess of an interval's gimbal rate, over the gimbal's range.
+    fn gimbal_slack(&self, interval: usize) -> usize {
+        self.virtual_control(self.nodes - 1, 0)[0] + interval
     }
+
+    fn len(&self) -> usize {
+        self.gimbal_slack(self.nodes - 1)
+    }
+}
+
+/// What the limits of a node are drawn in by, so that they hold beside it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Margin {
+    pub tilt_rad: f64,
+    pub rate_rad_s: f64,
+    pub glide_slope_m: f64,
 }
 
 /// The subproblem of one outer iteration.
@@ -56,6 +71,8 @@ pub(super) struct Subproblem<'a> {
     pub grid: &'a Grid,
     pub scale: &'a Scale,
     pub phase_min_s: f64,
+    /// What the limits of each node are drawn in by.
+    pub margins: &'a [Margin],
 }
 
 impl Subproblem<'_> {
@@ -203,10 +220,10 @@ impl Subproblem<'_> {
         }
     }
 
-    /// Rates of the axial thrust and of the gimbal over every powered interval (G.74).
+    /// Rates of the axial thrust and, linearised, of the gimbal over every powered interval (G.74).
     fn rate_rows(&self, program: &mut Program, columns: &Columns, reference: &Iterate) {
         let actuators = &self.problem.actuators;
-        for Interval { phase, control, .. } in self.grid.intervals() {
+        for (n, Interval { phase, control, .. }) in self.grid.intervals().enumerate() {
             if !self.grid.phases[phase].powered {
                 continue;
             }
@@ -218,16 +235,24 @@ impl Subproblem<'_> {
             let thrust = per_step(actuators.thrust_rate_max_n_s / actuators.thrust_max_n);
             program.nonnegative(sum(thrust.clone(), rise.clone()));
             program.nonnegative(sum(thrust, scaled(rise, -1.0)));
-            // tan δ at both ends, over the reference's axial thrust. With the thrust linear in time
-            // tan δ turns fastest where the axial thrust is least, by this share of its mean rate.
-            let axial_n = [control, control + 1].map(|n| reference.controls[n][2]);
-            let share = (axial_n[0] / axial_n[1]).max(axial_n[1] / axial_n[0]);
-            let [start, end] = axial_n.map(|axial_n| share * actuators.thrust_max_n / axial_n);
-            let swing = [0, 1].map(|axis| {
-                sum(scaled(part(control + 1, axis), end), scaled(part(control, axis), -start))
+
+            let ends = [&reference.controls[control], &reference.controls[control + 1]];
+            let swing = Swing::new(ends);
+            let across = [0, 1].map(|axis| {
+                let slopes = swing.slopes(axis);
+                let unit_n = actuators.thrust_max_n;
+                let terms = [
+                    (columns.control(control, axis), slopes[0] * unit_n),
+                    (columns.control(control, 2), slopes[1] * unit_n),
+                    (columns.control(control + 1, axis), slopes[2] * unit_n),
+                    (columns.control(control + 1, 2), slopes[3] * unit_n),
+                ];
+                Affine::new(terms, swing.value(axis))
             });
-            let [x, y] = swing;
-            program.second_order([per_step(actuators.gimbal_rate_max_rad_s), x, y]);
+            let mut most = per_step(actuators.gimbal_rate_max_rad_s);
+            most.terms.push((columns.gimbal_slack(n), actuators.gimbal_max_rad));
+            let [x, y] = across;
+            program.second_order([most, x, y]);
         }
     }
 
@@ -237,10 +262,12 @@ impl Subproblem<'_> {
         let fixed = usize::from(self.problem.start.attitude_wb.is_some());
         for node in fixed..=last {
             let part = |row| self.state(columns, reference, node, row);
+            let margin = &self.margins[node];
             let (tilt_rad, rate_rad_s) = if node == last {
                 (limits.end_tilt_max_rad, limits.end_rate_max_rad_s)
             } else {
-                (limits.tilt_max_rad, limits.rate_max_rad_s)
+                let drawn_in = limits.tilt_max_rad - margin.tilt_rad;
+                (drawn_in.max(0.0), (limits.rate_max_rad_s - margin.rate_rad_s).max(0.0))
             };
             let lean = (0.5 * tilt_rad).sin();
             program.second_order([Affine::new([], lean), part(Q + 1), part(Q + 2)]);
@@ -255,6 +282,7 @@ impl Subproblem<'_> {
                     shifted(part(R + axis), -self.problem.r_f_w[axis] / unit_m)
                 };
                 let reach = scaled(from_target(2), angle_rad.tan());
+                let reach = shifted(reach, -margin.glide_slope_m / unit_m);
                 program.second_order([reach, from_target(0), from_target(1)]);
             }
         }

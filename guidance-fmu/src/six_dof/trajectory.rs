@@ -5,6 +5,7 @@ use nalgebra::SVector;
 use super::dynamics::{Control, Q, R, State, TORQUE, V, W};
 use super::problem::{SixDofProblem, SixDofSettings};
 use super::shooting::{Sensitivity, shoot};
+use super::swing::Swing;
 
 /// Longest Runge-Kutta step of the shooting, s, in a burn and in a coast: its error stays below
 /// 0.1 mm over a flight, a hundredth of the accepted miss.
@@ -93,6 +94,8 @@ pub(super) struct Trajectory {
     pub sensitivities: Vec<Sensitivity>,
     /// End of each interval less the next node (G.76).
     pub defects: Vec<State>,
+    /// Sum and largest of what the gimbal turns too far, over its range.
+    gimbal_excess: (f64, f64),
 }
 
 impl Trajectory {
@@ -109,7 +112,8 @@ impl Trajectory {
             sensitivities.push(sensitivity);
             defects.push(end - iterate.states[node + 1]);
         }
-        Self { iterate, sensitivities, defects }
+        let gimbal_excess = gimbal_excess(problem, grid, &iterate);
+        Self { iterate, sensitivities, defects, gimbal_excess }
     }
 
     /// Mass at the end, kg.
@@ -117,11 +121,25 @@ impl Trajectory {
         self.iterate.states.last().map_or(0.0, |x| x[0])
     }
 
-    /// Sum and largest of the scaled defects.
+    /// Sum and largest of the scaled defects and of the gimbal rates' excesses.
     pub fn defect(&self, scale: &Scale) -> (f64, f64) {
         let scaled = || self.defects.iter().map(|d| d.component_div(&scale.state).abs());
-        (scaled().map(|d| d.sum()).sum(), scaled().map(|d| d.max()).fold(0.0, f64::max))
+        let (sum, max) = self.gimbal_excess;
+        let largest = scaled().map(|d| d.max()).fold(max, f64::max);
+        (sum + scaled().map(|d| d.sum()).sum::<f64>(), largest)
     }
+}
+
+/// Sum and largest of what the gimbal turns too far in its intervals, over its range (G.75).
+fn gimbal_excess(problem: &SixDofProblem, grid: &Grid, iterate: &Iterate) -> (f64, f64) {
+    let actuators = &problem.actuators;
+    let powered = grid.intervals().filter(|interval| grid.phases[interval.phase].powered);
+    let excesses = powered.map(|Interval { phase, control, .. }| {
+        let ends = [&iterate.controls[control], &iterate.controls[control + 1]];
+        let most = actuators.gimbal_rate_max_rad_s * iterate.step_s[phase];
+        (Swing::new(ends).norm() - most).max(0.0) / actuators.gimbal_max_rad
+    });
+    excesses.fold((0.0, 0.0), |(sum, max), excess| (sum + excess, f64::max(max, excess)))
 }
 
 /// Units that bring the variables to order one.

@@ -16,13 +16,16 @@ pub const NODE_EXCESS_MAX: f64 = 1e-4;
 /// Largest accepted excess of the re-propagated tilt, rad, and of its body rate, relative to the limit.
 const BETWEEN_TILT_MAX_RAD: f64 = 1e-3;
 const BETWEEN_RATE_MAX: f64 = 1e-2;
+/// The same of the glide slope, m.
+const BETWEEN_GLIDE_SLOPE_MAX_M: f64 = 0.1;
 /// Longest step, s, in a burn and in a coast: a tenth of the shooting's.
 const STEP_MAX_S: [f64; 2] = [0.01, 0.05];
 
 /// What the independent flight of a plan shows.
 pub(super) struct Flown {
     pub end: SixDofNode,
-    pub excess: Excess,
+    /// Of each interval.
+    pub excesses: Vec<Excess>,
 }
 
 /// Flies `plan` from its first node.
@@ -34,7 +37,7 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
     x.fixed_rows_mut::<3>(V).copy_from(&start.v_w);
     x.fixed_rows_mut::<4>(Q).copy_from(&super::guess::wxyz(&start.attitude_wb));
     x.fixed_rows_mut::<3>(W).copy_from(&start.rate_b);
-    let mut excess = Excess::default();
+    let mut excesses = Vec::new();
     for (n, phase) in plan.phases.iter().enumerate() {
         let length_s = phase.duration_s / phase.intervals as f64;
         let steps = (length_s / STEP_MAX_S[usize::from(!phase.powered)]).ceil().max(1.0) as usize;
@@ -42,6 +45,7 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
         for k in 0..phase.intervals {
             let ends = [&plan.controls[n][k], &plan.controls[n][k + 1]];
             let thrust_slope_b = (ends[1].thrust_b - ends[0].thrust_b) / length_s;
+            let mut excess = Excess::default();
             let at_s = phase.start_s + k as f64 * length_s;
             for j in 0..steps {
                 let t_s = at_s + j as f64 * h;
@@ -60,9 +64,10 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
                     excess.see_rates(problem, thrust_slope_b.z.abs(), gimbal_rate_rad_s);
                 }
             }
+            excesses.push(excess);
         }
     }
-    Flown { end: SixDofNode::new(plan.duration_s(), &x), excess }
+    Flown { end: SixDofNode::new(plan.duration_s(), &x), excesses }
 }
 
 /// x' by rotation of vectors and a solved Euler equation; of the shooting's code it shares only
@@ -106,9 +111,21 @@ pub(super) fn at_nodes(problem: &SixDofProblem, plan: &SixDofPlan) -> Excess {
     excess
 }
 
-/// Largest accepted excess of tilt, rad, and body rate, rad/s, anywhere on the flight.
-pub(super) fn between_nodes_max(problem: &SixDofProblem) -> [f64; 2] {
-    [BETWEEN_TILT_MAX_RAD, BETWEEN_RATE_MAX * problem.limits.rate_max_rad_s]
+/// Largest accepted excess anywhere on the flight.
+pub(super) struct BetweenNodes {
+    pub tilt_rad: f64,
+    pub rate_rad_s: f64,
+    pub glide_slope_m: f64,
+}
+
+impl BetweenNodes {
+    pub fn new(problem: &SixDofProblem) -> Self {
+        Self {
+            tilt_rad: BETWEEN_TILT_MAX_RAD,
+            rate_rad_s: BETWEEN_RATE_MAX * problem.limits.rate_max_rad_s,
+            glide_slope_m: BETWEEN_GLIDE_SLOPE_MAX_M,
+        }
+    }
 }
 
 /// Refuses a plan that misses its end, leaves a limit at a node, or needs too much propellant.
@@ -120,11 +137,11 @@ pub(super) fn accept(problem: &SixDofProblem, plan: &SixDofPlan) -> Result<(), S
         let [miss_m, miss_m_s, miss_rad, miss_rad_s] = miss;
         return Err(SixDofError::Target { miss_m, miss_m_s, miss_rad, miss_rad_s });
     }
-    let between = between_nodes_max(problem);
-    let flown = &report.between_nodes;
+    let (between, flown) = (BetweenNodes::new(problem), &report.between_nodes);
     for (limit, excess, allowed) in [
-        ("tilt between nodes", flown.tilt_rad, between[0]),
-        ("body rate between nodes", flown.rate_rad_s, between[1]),
+        ("tilt between nodes", flown.tilt_rad, between.tilt_rad),
+        ("body rate between nodes", flown.rate_rad_s, between.rate_rad_s),
+        ("glide slope between nodes", flown.glide_slope_m, between.glide_slope_m),
     ] {
         if excess > allowed {
             return Err(SixDofError::Limit { limit, excess, allowed });
