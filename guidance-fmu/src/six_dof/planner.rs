@@ -1,7 +1,7 @@
 //! From the translation's plan to a checked plan in six degrees of freedom.
 
 use super::error::SixDofError;
-use super::guess;
+use super::guess::{self, Translation};
 use super::outer_loop::{self, Outcome, Work};
 use super::plan::{Excess, SixDofPlan, SixDofReport};
 use super::problem::{SixDofProblem, SixDofSettings};
@@ -9,13 +9,15 @@ use super::subproblem::{Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use super::dynamics::{R, V};
 use super::verify;
-use crate::scvx::{self, Plan, Program};
+use crate::scvx::{self, Program};
 
 /// Virtual control (scaled sum) above which the dynamics and the limits don't meet.
 const VIRTUAL_CONTROL_MAX: f64 = 1e-6;
 
 /// Times the limits may be drawn in.
-const TIGHTENINGS_MAX: u32 = 4;
+const TIGHTENINGS_MAX: u32 = 5;
+/// What is drawn in against what is exceeded: the flight between gives way by less than its nodes.
+const OVERDRAW: f64 = 1.5;
 
 /// Plans from nothing: the translation's plan gives the phases and the first guess.
 pub fn solve(
@@ -53,7 +55,7 @@ fn draw_in(margins: &mut [Margin], problem: &SixDofProblem, excesses: &[Excess])
                 (&mut margin.glide_slope_m, excess.glide_slope_m, allowed.glide_slope_m),
             ] {
                 if excess > allowed {
-                    *drawn += excess;
+                    *drawn += OVERDRAW * excess;
                     any = true;
                 }
             }
@@ -68,7 +70,7 @@ fn measure(
     grid: &Grid,
     outcome: &Outcome,
     work: &Work,
-    translation: &Plan,
+    translation: &Translation,
 ) -> (SixDofPlan, Vec<Excess>) {
     let trajectory = &outcome.trajectory;
     let defect = |row: usize| {
@@ -83,8 +85,8 @@ fn measure(
         refused_steps: work.refused,
         solver_iterations: work.solver_iterations,
         tightenings: work.tightenings,
-        translation_iterations: translation.report.outer_iterations,
-        translation_propellant_kg: translation.propellant_kg(),
+        translation_iterations: translation.plan.report.outer_iterations,
+        translation_propellant_kg: translation.plan.propellant_kg(),
         virtual_control: outcome.virtual_control,
         defect_m: defect(R),
         defect_m_s: defect(V),
@@ -119,7 +121,10 @@ pub fn subproblem(
 }
 
 /// Checks the inputs and plans the centre of mass alone.
-fn translation(problem: &SixDofProblem, settings: &SixDofSettings) -> Result<Plan, SixDofError> {
+fn translation(
+    problem: &SixDofProblem,
+    settings: &SixDofSettings,
+) -> Result<Translation, SixDofError> {
     problem.validate()?;
     settings.validate()?;
     let (start, limits) = (&problem.start, &problem.limits);
@@ -132,17 +137,19 @@ fn translation(problem: &SixDofProblem, settings: &SixDofSettings) -> Result<Pla
             return Err(SixDofError::Start { limit, excess });
         }
     }
+    let turn_s = if start.attitude_wb.is_some() { settings.turn_s } else { 0.0 };
     let settings = scvx::Settings { structure: settings.structure, ..scvx::Settings::default() };
-    scvx::plan(&problem.translation(), &settings).map_err(SixDofError::Translation)
+    let plan = scvx::plan(&problem.translation(turn_s), &settings);
+    Ok(Translation { plan: plan.map_err(SixDofError::Translation)?, turn_s })
 }
 
 fn begin(
     problem: &SixDofProblem,
     settings: &SixDofSettings,
-    translation: &Plan,
+    translation: &Translation,
 ) -> (Grid, Scale, Iterate) {
     let (grid, guess) = guess::from_translation(problem, settings, translation);
-    let scale = Scale::new(problem, translation.propellant_kg(), translation.duration_s());
+    let scale = Scale::new(problem, translation.plan.propellant_kg(), translation.duration_s());
     (grid, scale, guess)
 }
 
@@ -151,7 +158,7 @@ fn converged(outcome: &Outcome, work: &Work, miss_m: f64) -> Result<(), SixDofEr
     let left = outcome.virtual_control;
     if outcome.converged {
         Ok(())
-    } else if left > VIRTUAL_CONTROL_MAX {
+    } else if left.is_finite() && left > VIRTUAL_CONTROL_MAX {
         Err(SixDofError::VirtualControl { left, limit: VIRTUAL_CONTROL_MAX, miss_m })
     } else {
         Err(SixDofError::IterationBudget { solves: work.solves })

@@ -101,11 +101,13 @@ impl SixDofProblem {
         self.mass.dry.mass_kg + self.start.propellant_kg
     }
 
-    /// The centre of mass alone, its thrust tilted no more than the body may be.
-    pub fn translation(&self) -> Problem {
+    /// The centre of mass alone after `turn_s` of free fall, its thrust tilted no more than the body
+    /// may be.
+    pub fn translation(&self, turn_s: f64) -> Problem {
+        let gained_w = Vector3::new(0.0, 0.0, -self.gravity_m_s2 * turn_s);
         Problem {
-            r0_w: self.start.r_w,
-            v0_w: self.start.v_w,
+            r0_w: self.start.r_w + (self.start.v_w + gained_w * 0.5) * turn_s,
+            v0_w: self.start.v_w + gained_w,
             r_f_w: self.r_f_w,
             v_f_w: self.v_f_w,
             mass_kg: self.mass_kg(),
@@ -185,6 +187,9 @@ pub struct SixDofSettings {
     pub coast_intervals: usize,
     /// Intervals of the burn that ends the flight.
     pub last_burn_intervals: usize,
+    /// Free fall ahead of the first burn, to turn in, where the attitude at the start is given, s; the
+    /// plan finds its own duration from here. 0 lights the engine at once.
+    pub turn_s: f64,
     /// Shortest phase, s.
     pub phase_min_s: f64,
     /// Conic solves of one call.
@@ -201,6 +206,7 @@ impl Default for SixDofSettings {
             first_burn_intervals: 3,
             coast_intervals: 3,
             last_burn_intervals: 9,
+            turn_s: 2.5,
             phase_min_s: 0.2,
             solves_max: 40,
             solver_iterations_max: 60,
@@ -218,6 +224,7 @@ impl SixDofSettings {
         ] {
             within(field, intervals as f64, 2.0, 100.0, "[2, 100]")?;
         }
+        within("turn_s", self.turn_s, 0.0, 100.0, "[0, 100] s")?;
         within("phase_min_s", self.phase_min_s, 0.01, 100.0, "[0.01, 100] s")
     }
 }

@@ -14,7 +14,7 @@ pub const MISS_MAX: [f64; 4] = [1e-2, 1e-2, 1.745e-3, 1.745e-3];
 /// Largest accepted excess at a node, relative to the limit.
 pub const NODE_EXCESS_MAX: f64 = 1e-4;
 /// Largest accepted excess of the re-propagated tilt, rad, and of its body rate, relative to the limit.
-const BETWEEN_TILT_MAX_RAD: f64 = 1e-3;
+const BETWEEN_TILT_MAX_RAD: f64 = 1.745e-3;
 const BETWEEN_RATE_MAX: f64 = 1e-2;
 /// The same of the glide slope, m.
 const BETWEEN_GLIDE_SLOPE_MAX_M: f64 = 0.1;
