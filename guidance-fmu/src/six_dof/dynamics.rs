@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Matrix3x4, Matrix4, Matrix4x3, Quaternion, SVector, Vect
 
 /// Mass, position, velocity, attitude (w, x, y, z), body rates: kg, m, m/s, 1, rad/s.
 pub(super) type State = SVector<f64, 14>;
-/// Thrust and thruster torque in body axes: N, N m.
+/// Tangents of the gimbal angle along body x and y, thrust, thruster torque: 1, N, N m. In these the
+/// limits on angle, thrust and their rates are convex, and hold between nodes if they do at them.
 pub(super) type Control = SVector<f64, 6>;
 
 /// First rows of the parts of a [`State`].
@@ -13,7 +14,8 @@ pub(super) const R: usize = 1;
 pub(super) const V: usize = 4;
 pub(super) const Q: usize = 7;
 pub(super) const W: usize = 11;
-/// First row of the torque in a [`Control`].
+/// Row of the thrust, and first row of the torque, in a [`Control`].
+pub(super) const THRUST: usize = 2;
 pub(super) const TORQUE: usize = 3;
 
 /// What moves and how: constant over a plan.
@@ -29,15 +31,16 @@ pub(super) struct Dynamics<'a> {
 
 /// Nonzero blocks of ∂x'/∂x and ∂x'/∂u; r' = v is left to the caller.
 pub(super) struct Jacobian {
-    pub m_thrust: Vector3<f64>,
+    /// By the thrust alone.
+    pub m_thrust: f64,
     pub v_m: Vector3<f64>,
     pub v_q: Matrix3x4<f64>,
-    pub v_thrust: Matrix3<f64>,
+    pub v_engine: Matrix3<f64>,
     pub q_q: Matrix4<f64>,
     pub q_w: Matrix4x3<f64>,
     pub w_m: Vector3<f64>,
     pub w_w: Matrix3<f64>,
-    pub w_thrust: Matrix3<f64>,
+    pub w_engine: Matrix3<f64>,
     pub w_torque: Matrix3<f64>,
 }
 
@@ -47,13 +50,13 @@ impl Dynamics<'_> {
         let m = x[0];
         let (scalar, vector) = (x[Q], x.fixed_rows::<3>(Q + 1).into_owned());
         let rate_b: Vector3<f64> = x.fixed_rows::<3>(W).into();
-        let thrust_b: Vector3<f64> = u.fixed_rows::<3>(0).into();
+        let (thrust_b, thrust_by_control_b) = thrust(u);
         let torque_b: Vector3<f64> = u.fixed_rows::<3>(TORQUE).into();
         let propellant_kg = m - self.mass.dry.mass_kg;
         let (now, draw) = (self.mass.at(propellant_kg), self.mass.draw(propellant_kg));
 
         let mut dx = State::zeros();
-        dx[0] = -self.mass_flow_s_m * thrust_b.norm(); // (G.70)
+        dx[0] = -self.mass_flow_s_m * u[THRUST]; // (G.70)
         dx.fixed_rows_mut::<3>(R).copy_from(&x.fixed_rows::<3>(V));
         // (G.71)
         let rotation_wb = rotation(scalar, &vector);
@@ -95,20 +98,31 @@ impl Dynamics<'_> {
         q_w.fixed_rows_mut::<3>(1)
             .copy_from(&((Matrix3::identity() * scalar + vector.cross_matrix()) * 0.5));
         let jacobian = Jacobian {
-            // The flow has a kink at zero thrust, where no burn operates.
-            m_thrust: thrust_b.try_normalize(0.0).unwrap_or_default() * -self.mass_flow_s_m,
+            m_thrust: -self.mass_flow_s_m,
             v_m: -push_w / m,
             v_q,
-            v_thrust: rotation_wb / m,
+            v_engine: rotation_wb * thrust_by_control_b / m,
             q_q,
             q_w,
             w_m: inverse_b * moment_per_kg_b,
             w_w: inverse_b * (spin_b.cross_matrix() - rate_b.cross_matrix() * now.inertia_b),
-            w_thrust: inverse_b * arm_b.cross_matrix(),
+            w_engine: inverse_b * arm_b.cross_matrix() * thrust_by_control_b,
             w_torque: inverse_b,
         };
         (dx, jacobian)
     }
+}
+
+/// Thrust in body axes, and its derivatives by the two tangents and the magnitude (G.75).
+pub(super) fn thrust(u: &Control) -> (Vector3<f64>, Matrix3<f64>) {
+    let along_b = Vector3::new(u[0], u[1], 1.0);
+    let length = along_b.norm();
+    let direction_b = along_b / length;
+    let turned = |axis: usize| {
+        (Vector3::ith(axis, 1.0) - direction_b * direction_b[axis]) * (u[THRUST] / length)
+    };
+    let derivatives_b = Matrix3::from_columns(&[turned(0), turned(1), direction_b]);
+    (direction_b * u[THRUST], derivatives_b)
 }
 
 /// Body to world for the quaternion (scalar, vector); on the unit sphere, where (G.72) keeps it.

@@ -67,8 +67,8 @@ pub(super) fn from_translation(
         iterate.states.extend((usize::from(n > 0)..=phase.intervals).map(|k| node_at(at(k))));
         iterate.controls.extend((0..=phase.intervals).map(|k| {
             let thrust_n = problem.actuators.thrust_min_n.max(plan.sample(at(k)).thrust_n);
-            let axial_n = if powered { thrust_n } else { 0.0 };
-            Control::new(0.0, 0.0, axial_n, 0.0, 0.0, 0.0)
+            let thrust_n = if powered { thrust_n } else { 0.0 };
+            Control::new(0.0, 0.0, thrust_n, 0.0, 0.0, 0.0)
         }));
     }
     if let Some(attitude_wb) = problem.start.attitude_wb {

@@ -13,7 +13,6 @@ mod planner;
 mod problem;
 mod shooting;
 mod subproblem;
-mod swing;
 mod trajectory;
 mod verify;
 

@@ -10,8 +10,9 @@ use crate::scvx::{ConicSolver, PlanError};
 const DEFECT: f64 = 1e-7;
 /// Converged change of the scaled propellant between two iterations.
 const FUEL_CHANGE: f64 = 1e-4;
-/// Proximal weight: initial, factors after a good and a bad step, and its range.
+/// Proximal weight: initial, of a loop that mends, factors after a good and a bad step, and its range.
 pub(super) const STIFFNESS_START: f64 = 0.1;
+const STIFFNESS_MEND: f64 = 1.0;
 const STIFFNESS_CUT: f64 = 0.25;
 const STIFFNESS_GROWTH: f64 = 5.0;
 const STIFFNESS_RANGE: [f64; 2] = [1e-3, 1e4];
@@ -77,10 +78,11 @@ pub(super) fn iterate(
         virtual_control: f64::INFINITY,
     };
     let mut solver: Option<ConicSolver> = None;
-    let mut stiffness = STIFFNESS_START;
+    // A loop that only mends what drawn-in limits changed starts settled.
+    let mut settled = work.tightenings > 0;
+    let mut stiffness = if settled { STIFFNESS_MEND } else { STIFFNESS_START };
     // The guess need not keep the limits: the first step is always taken.
     let mut reference_merit = f64::INFINITY;
-    let mut settled = false;
     // After a refused step the next good one doesn't soften, or steps would be refused in turn.
     let mut cautious = false;
 

@@ -1,9 +1,9 @@
 //! A plan in six degrees of freedom, as plain data.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::dynamics::{Q, R, State, TORQUE, V, W};
+use super::dynamics::{Control, Q, R, State, THRUST, TORQUE, V, W};
 use super::problem::SixDofProblem;
 use super::trajectory::{Grid, Iterate};
 use crate::scvx::Phase;
@@ -25,11 +25,13 @@ pub struct SixDofNode {
     pub rate_b: Vector3<f64>,
 }
 
-/// Thrust and thruster torque in body axes; zero thrust in a coast.
+/// Engine and thruster torque; no thrust in a coast.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SixDofControl {
-    /// Thrust on the gimbal pivot, N.
-    pub thrust_b: Vector3<f64>,
+    /// Thrust, N.
+    pub thrust_n: f64,
+    /// Lateral over axial thrust along body x and y: the tangents of the gimbal angle.
+    pub gimbal_tan: Vector2<f64>,
     /// Torque by thrusters, N m.
     pub torque_b: Vector3<f64>,
 }
@@ -47,9 +49,9 @@ pub struct Excess {
     pub thrust_n: f64,
     /// Gimbal angle, rad.
     pub gimbal_rad: f64,
-    /// Rate of the axial thrust, N/s.
+    /// Rate of the thrust, N/s.
     pub thrust_rate_n_s: f64,
-    /// Gimbal rate, rad/s: its mean from node to node, or at an instant.
+    /// Rate of the gimbal's tangents, rad/s; that of the angle is no larger.
     pub gimbal_rate_rad_s: f64,
     /// Thruster torque about an axis, N m.
     pub torque_nm: f64,
@@ -122,9 +124,11 @@ impl SixDofPlan {
                 nodes.push(SixDofNode::new(start_s + step_s * n as f64, state));
             }
             let ends = &iterate.controls[first..=first + intervals];
-            let control = |u: &super::dynamics::Control| SixDofControl {
-                // A coast's thrust is zero to the solver's tolerance; the engine is off.
-                thrust_b: if phase.powered { u.fixed_rows::<3>(0).into() } else { Vector3::zeros() },
+            // A coast's controls are zero to the solver's tolerance; the engine is off.
+            let engine = if phase.powered { 1.0 } else { 0.0 };
+            let control = |u: &Control| SixDofControl {
+                thrust_n: engine * u[THRUST],
+                gimbal_tan: u.fixed_rows::<2>(0) * engine,
                 torque_b: u.fixed_rows::<3>(TORQUE).into(),
             };
             controls.push(ends.iter().map(control).collect());
@@ -162,9 +166,17 @@ impl SixDofPlan {
         let k = (at as usize).min(phase.intervals - 1);
         let (share, start, end) = (at - k as f64, &controls[k], &controls[k + 1]);
         SixDofControl {
-            thrust_b: start.thrust_b.lerp(&end.thrust_b, share),
+            thrust_n: start.thrust_n + (end.thrust_n - start.thrust_n) * share,
+            gimbal_tan: start.gimbal_tan.lerp(&end.gimbal_tan, share),
             torque_b: start.torque_b.lerp(&end.torque_b, share),
         }
+    }
+}
+
+impl SixDofControl {
+    /// Thrust on the gimbal pivot in body axes, N.
+    pub fn thrust_b(&self) -> Vector3<f64> {
+        self.gimbal_tan.push(1.0).normalize() * self.thrust_n
     }
 }
 
@@ -238,25 +250,26 @@ impl Excess {
         let torque = u.torque_b.abs() - actuators.torque_max_b;
         self.torque_nm = self.torque_nm.max(torque.max());
         if powered {
-            let thrust_n = u.thrust_b.norm();
-            let out = (thrust_n - actuators.thrust_max_n).max(actuators.thrust_min_n - thrust_n);
-            self.thrust_n = self.thrust_n.max(out);
-            let gimbal_rad = u.thrust_b.xy().norm().atan2(u.thrust_b.z);
+            let out_n =
+                (u.thrust_n - actuators.thrust_max_n).max(actuators.thrust_min_n - u.thrust_n);
+            self.thrust_n = self.thrust_n.max(out_n);
+            let gimbal_rad = u.gimbal_tan.norm().atan();
             self.gimbal_rad = self.gimbal_rad.max(gimbal_rad - actuators.gimbal_max_rad);
         }
     }
 
-    /// Takes in the rates of a powered interval.
+    /// Takes in a powered interval of `length_s`, over which the controls change at a constant rate.
     pub(super) fn see_rates(
         &mut self,
         problem: &SixDofProblem,
-        thrust_rate_n_s: f64,
-        gimbal_rate_rad_s: f64,
+        [start, end]: [&SixDofControl; 2],
+        length_s: f64,
     ) {
         let actuators = &problem.actuators;
-        self.thrust_rate_n_s =
-            self.thrust_rate_n_s.max(thrust_rate_n_s - actuators.thrust_rate_max_n_s);
+        let thrust_n_s = (end.thrust_n - start.thrust_n).abs() / length_s;
+        let gimbal_rad_s = (end.gimbal_tan - start.gimbal_tan).norm() / length_s;
+        self.thrust_rate_n_s = self.thrust_rate_n_s.max(thrust_n_s - actuators.thrust_rate_max_n_s);
         self.gimbal_rate_rad_s =
-            self.gimbal_rate_rad_s.max(gimbal_rate_rad_s - actuators.gimbal_rate_max_rad_s);
+            self.gimbal_rate_rad_s.max(gimbal_rad_s - actuators.gimbal_rate_max_rad_s);
     }
 }

@@ -49,11 +49,11 @@ pub struct Actuators {
     pub pivot_b: Vector3<f64>,
     /// Specific impulse, s.
     pub isp_s: f64,
-    /// Thrust floor of a running engine, N: held by the axial thrust (G.74).
+    /// Thrust floor of a running engine, N.
     pub thrust_min_n: f64,
     /// Thrust ceiling, N.
     pub thrust_max_n: f64,
-    /// Largest rate of the axial thrust within a burn, N/s.
+    /// Largest rate of the thrust within a burn, N/s.
     pub thrust_rate_max_n_s: f64,
     /// Largest gimbal angle, rad.
     pub gimbal_max_rad: f64,

@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 
-use super::dynamics::{Control, Dynamics, Jacobian, Q, R, State, TORQUE, V, W};
+use super::dynamics::{Control, Dynamics, Jacobian, Q, R, State, THRUST, TORQUE, V, W};
 
 /// Columns of [`Sensitivity`]: the state and control at the start, the control at the end, the
 /// length of the interval.
@@ -56,12 +56,11 @@ fn chain(jacobian: &Jacobian, s: &Sensitivity, share: f64) -> Sensitivity {
     out.fixed_rows_mut::<4>(Q).copy_from(&(j.q_q * attitude + j.q_w * rates));
     out.fixed_rows_mut::<3>(W).copy_from(&(j.w_w * rates + j.w_m * mass));
     for (first, weight) in [(START_CONTROL, 1.0 - share), (END_CONTROL, share)] {
-        let mut flow = out.fixed_view_mut::<1, 3>(0, first);
-        flow += j.m_thrust.transpose() * weight;
+        out[(0, first + THRUST)] += j.m_thrust * weight;
         let mut push = out.fixed_view_mut::<3, 3>(V, first);
-        push += j.v_thrust * weight;
+        push += j.v_engine * weight;
         let mut gimbal = out.fixed_view_mut::<3, 3>(W, first);
-        gimbal += j.w_thrust * weight;
+        gimbal += j.w_engine * weight;
         let mut torque = out.fixed_view_mut::<3, 3>(W, first + TORQUE);
         torque += j.w_torque * weight;
     }
@@ -93,8 +92,8 @@ mod tests {
             240.0, 30.0, -10.0, 60.0, -8.0, 3.0, -20.0, q[0], q[1], q[2], q[3], 0.2, -0.3, 0.1,
         ]);
         let controls = [
-            Control::from_column_slice(&[150.0, -90.0, 2600.0, 12.0, -20.0, 9.0]),
-            Control::from_column_slice(&[-200.0, 60.0, 4100.0, -5.0, 30.0, -11.0]),
+            Control::from_column_slice(&[0.06, -0.04, 2600.0, 12.0, -20.0, 9.0]),
+            Control::from_column_slice(&[-0.05, 0.02, 4100.0, -5.0, 30.0, -11.0]),
         ];
         let (length_s, steps) = (0.4, 4);
         let (_, exact) = shoot(&dynamics, &start, [&controls[0], &controls[1]], length_s, steps);
@@ -111,7 +110,7 @@ mod tests {
         for column in 0..27 {
             let unit = match column {
                 0 => 100.0,
-                START_CONTROL..LENGTH => 1e3,
+                START_CONTROL..LENGTH if (column - START_CONTROL) % 6 >= THRUST => 1e3,
                 _ => 1.0,
             };
             let by = 1e-5 * unit;

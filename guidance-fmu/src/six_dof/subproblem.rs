@@ -1,9 +1,8 @@
 //! The convex subproblem about a reference (G.77), in scaled deviations from it.
 
-use super::dynamics::{Q, R, TORQUE, V, W, quaternion};
+use super::dynamics::{Q, R, THRUST, TORQUE, V, W, quaternion};
 use super::problem::SixDofProblem;
 use super::shooting::{END_CONTROL, LENGTH, START_CONTROL};
-use super::swing::Swing;
 use super::trajectory::{Grid, Interval, Iterate, Scale, Trajectory};
 use crate::scvx::{Affine, Program};
 
@@ -15,8 +14,7 @@ const DURATION_TRUST: f64 = 0.5;
 /// Proximal weight of the variables that enter the dynamics linearly, against the others'.
 const LINEAR_STIFFNESS: f64 = 1e-3;
 
-/// Columns: nodes, control nodes, phase durations, positive and negative virtual controls, slacks of
-/// the gimbal rate.
+/// Columns: nodes, control nodes, phase durations, positive and negative virtual controls.
 pub(super) struct Columns {
     nodes: usize,
     controls: usize,
@@ -47,13 +45,8 @@ impl Columns {
         [first, first + 1]
     }
 
-    /// Excess of an interval's gimbal rate, over the gimbal's range.
-    fn gimbal_slack(&self, interval: usize) -> usize {
-        self.virtual_control(self.nodes - 1, 0)[0] + interval
-    }
-
     fn len(&self) -> usize {
-        self.gimbal_slack(self.nodes - 1)
+        self.virtual_control(self.nodes - 1, 0)[0]
     }
 }
 
@@ -201,17 +194,16 @@ impl Subproblem<'_> {
         }
     }
 
-    /// Thrust ceiling and floor, gimbal cone, thruster torque at every control node (G.74).
+    /// Thrust band, gimbal cone and thruster torque at every control node (G.75).
     fn thrust_rows(&self, program: &mut Program, columns: &Columns, reference: &Iterate) {
         let actuators = &self.problem.actuators;
-        let tangent = actuators.gimbal_max_rad.tan();
         for (n, powered) in self.grid.control_powered().enumerate() {
             let part = |row| self.control(columns, reference, n, row);
             if powered {
-                program.second_order([Affine::new([], 1.0), part(0), part(1), part(2)]);
-                program.second_order([scaled(part(2), tangent), part(0), part(1)]);
                 let floor = actuators.thrust_min_n / actuators.thrust_max_n;
-                program.nonnegative(shifted(part(2), -floor));
+                program.nonnegative(shifted(part(THRUST), -floor));
+                program.nonnegative(shifted(scaled(part(THRUST), -1.0), 1.0));
+                program.second_order([Affine::new([], 1.0), part(0), part(1)]);
             }
             for row in (0..3).filter(|&axis| actuators.torque_max_b[axis] > 0.0) {
                 program.nonnegative(shifted(scaled(part(TORQUE + row), -1.0), 1.0));
@@ -220,39 +212,28 @@ impl Subproblem<'_> {
         }
     }
 
-    /// Rates of the axial thrust and, linearised, of the gimbal over every powered interval (G.74).
+    /// Rates of thrust and gimbal over every powered interval (G.75).
     fn rate_rows(&self, program: &mut Program, columns: &Columns, reference: &Iterate) {
         let actuators = &self.problem.actuators;
-        for (n, Interval { phase, control, .. }) in self.grid.intervals().enumerate() {
+        for Interval { phase, control, .. } in self.grid.intervals() {
             if !self.grid.phases[phase].powered {
                 continue;
             }
             let step_s = reference.step_s[phase];
-            let per_step =
-                |rate: f64| Affine::new([(columns.step(phase), rate * step_s)], rate * step_s);
-            let part = |n, row| self.control(columns, reference, n, row);
-            let rise = sum(part(control + 1, 2), scaled(part(control, 2), -1.0));
-            let thrust = per_step(actuators.thrust_rate_max_n_s / actuators.thrust_max_n);
-            program.nonnegative(sum(thrust.clone(), rise.clone()));
-            program.nonnegative(sum(thrust, scaled(rise, -1.0)));
-
-            let ends = [&reference.controls[control], &reference.controls[control + 1]];
-            let swing = Swing::new(ends);
-            let across = [0, 1].map(|axis| {
-                let slopes = swing.slopes(axis);
-                let unit_n = actuators.thrust_max_n;
-                let terms = [
-                    (columns.control(control, axis), slopes[0] * unit_n),
-                    (columns.control(control, 2), slopes[1] * unit_n),
-                    (columns.control(control + 1, axis), slopes[2] * unit_n),
-                    (columns.control(control + 1, 2), slopes[3] * unit_n),
-                ];
-                Affine::new(terms, swing.value(axis))
-            });
-            let mut most = per_step(actuators.gimbal_rate_max_rad_s);
-            most.terms.push((columns.gimbal_slack(n), actuators.gimbal_max_rad));
-            let [x, y] = across;
-            program.second_order([most, x, y]);
+            let change = |row| {
+                let [start, end] = [control, control + 1]
+                    .map(|n| self.control(columns, reference, n, row));
+                sum(end, scaled(start, -1.0))
+            };
+            let most = |rate: f64, row: usize| {
+                let share = rate * step_s / self.scale.control[row];
+                Affine::new([(columns.step(phase), share)], share)
+            };
+            let thrust = most(actuators.thrust_rate_max_n_s, THRUST);
+            program.nonnegative(sum(thrust.clone(), change(THRUST)));
+            program.nonnegative(sum(thrust, scaled(change(THRUST), -1.0)));
+            let gimbal = most(actuators.gimbal_rate_max_rad_s, 0);
+            program.second_order([gimbal, change(0), change(1)]);
         }
     }
 

@@ -2,10 +2,9 @@
 
 use nalgebra::SVector;
 
-use super::dynamics::{Control, Q, R, State, TORQUE, V, W};
+use super::dynamics::{Control, Q, R, State, THRUST, TORQUE, V, W};
 use super::problem::{SixDofProblem, SixDofSettings};
 use super::shooting::{Sensitivity, shoot};
-use super::swing::Swing;
 
 /// Longest Runge-Kutta step of the shooting, s, in a burn and in a coast: its error stays below
 /// 0.1 mm over a flight, a hundredth of the accepted miss.
@@ -94,8 +93,6 @@ pub(super) struct Trajectory {
     pub sensitivities: Vec<Sensitivity>,
     /// End of each interval less the next node (G.76).
     pub defects: Vec<State>,
-    /// Sum and largest of what the gimbal turns too far, over its range.
-    gimbal_excess: (f64, f64),
 }
 
 impl Trajectory {
@@ -112,8 +109,7 @@ impl Trajectory {
             sensitivities.push(sensitivity);
             defects.push(end - iterate.states[node + 1]);
         }
-        let gimbal_excess = gimbal_excess(problem, grid, &iterate);
-        Self { iterate, sensitivities, defects, gimbal_excess }
+        Self { iterate, sensitivities, defects }
     }
 
     /// Mass at the end, kg.
@@ -121,25 +117,11 @@ impl Trajectory {
         self.iterate.states.last().map_or(0.0, |x| x[0])
     }
 
-    /// Sum and largest of the scaled defects and of the gimbal rates' excesses.
+    /// Sum and largest of the scaled defects.
     pub fn defect(&self, scale: &Scale) -> (f64, f64) {
         let scaled = || self.defects.iter().map(|d| d.component_div(&scale.state).abs());
-        let (sum, max) = self.gimbal_excess;
-        let largest = scaled().map(|d| d.max()).fold(max, f64::max);
-        (sum + scaled().map(|d| d.sum()).sum::<f64>(), largest)
+        (scaled().map(|d| d.sum()).sum(), scaled().map(|d| d.max()).fold(0.0, f64::max))
     }
-}
-
-/// Sum and largest of what the gimbal turns too far in its intervals, over its range (G.75).
-fn gimbal_excess(problem: &SixDofProblem, grid: &Grid, iterate: &Iterate) -> (f64, f64) {
-    let actuators = &problem.actuators;
-    let powered = grid.intervals().filter(|interval| grid.phases[interval.phase].powered);
-    let excesses = powered.map(|Interval { phase, control, .. }| {
-        let ends = [&iterate.controls[control], &iterate.controls[control + 1]];
-        let most = actuators.gimbal_rate_max_rad_s * iterate.step_s[phase];
-        (Swing::new(ends).norm() - most).max(0.0) / actuators.gimbal_max_rad
-    });
-    excesses.fold((0.0, 0.0), |(sum, max), excess| (sum + excess, f64::max(max, excess)))
 }
 
 /// Units that bring the variables to order one.
@@ -159,7 +141,8 @@ impl Scale {
         state.fixed_rows_mut::<3>(V).fill(delta_v_m_s);
         state.fixed_rows_mut::<4>(Q).fill(1.0);
         state.fixed_rows_mut::<3>(W).fill(problem.limits.rate_max_rad_s);
-        let mut control = Control::repeat(problem.actuators.thrust_max_n);
+        let mut control = Control::repeat(problem.actuators.gimbal_max_rad.tan());
+        control[THRUST] = problem.actuators.thrust_max_n;
         let torque: SVector<f64, 3> =
             problem.actuators.torque_max_b.map(|max| if max > 0.0 { max } else { 1.0 });
         control.fixed_rows_mut::<3>(TORQUE).copy_from(&torque);

@@ -44,7 +44,6 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
         let h = length_s / steps as f64;
         for k in 0..phase.intervals {
             let ends = [&plan.controls[n][k], &plan.controls[n][k + 1]];
-            let thrust_slope_b = (ends[1].thrust_b - ends[0].thrust_b) / length_s;
             let mut excess = Excess::default();
             let at_s = phase.start_s + k as f64 * length_s;
             for j in 0..steps {
@@ -57,12 +56,9 @@ pub(super) fn fly(problem: &SixDofProblem, plan: &SixDofPlan) -> Flown {
                 x += (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (h / 6.0);
                 excess.see_state(problem, &SixDofNode::new(t_s + h, &x));
                 excess.see_control(problem, &u(h), phase.powered);
-                if phase.powered {
-                    let thrust_b = u(h).thrust_b;
-                    let across_b = thrust_slope_b - thrust_b * (thrust_b.dot(&thrust_slope_b) / thrust_b.norm_squared());
-                    let gimbal_rate_rad_s = across_b.norm() / thrust_b.norm();
-                    excess.see_rates(problem, thrust_slope_b.z.abs(), gimbal_rate_rad_s);
-                }
+            }
+            if phase.powered {
+                excess.see_rates(problem, ends, length_s);
             }
             excesses.push(excess);
         }
@@ -76,15 +72,16 @@ fn rate(problem: &SixDofProblem, x: &State, u: &SixDofControl) -> State {
     let q = Quaternion::new(x[Q], x[Q + 1], x[Q + 2], x[Q + 3]);
     let rate_b: Vector3<f64> = x.fixed_rows::<3>(W).into();
     let body = problem.mass.at(x[0] - problem.mass.dry.mass_kg);
-    let lift_w = UnitQuaternion::from_quaternion(q) * u.thrust_b / x[0];
+    let thrust_b = u.thrust_b();
+    let lift_w = UnitQuaternion::from_quaternion(q) * thrust_b / x[0];
     let gravity_w = Vector3::new(0.0, 0.0, -problem.gravity_m_s2);
-    let engine_b = (problem.actuators.pivot_b - body.com_b).cross(&u.thrust_b);
+    let engine_b = (problem.actuators.pivot_b - body.com_b).cross(&thrust_b);
     let moment_b = engine_b + u.torque_b - rate_b.cross(&(body.inertia_b * rate_b));
     // An inertia that is not positive definite gives no turn, and so a miss that is refused.
     let turn_b = body.inertia_b.cholesky().map_or_else(Vector3::zeros, |j| j.solve(&moment_b));
     let spin = (q * Quaternion::from_imag(rate_b)).coords * 0.5;
     let mut dx = State::zeros();
-    dx[0] = -u.thrust_b.norm() / (problem.actuators.isp_s * G0_M_S2);
+    dx[0] = -thrust_b.norm() / (problem.actuators.isp_s * G0_M_S2);
     dx.fixed_rows_mut::<3>(R).copy_from(&x.fixed_rows::<3>(V));
     dx.fixed_rows_mut::<3>(V).copy_from(&(lift_w + gravity_w));
     // nalgebra stores (x, y, z, w).
@@ -102,9 +99,7 @@ pub(super) fn at_nodes(problem: &SixDofProblem, plan: &SixDofPlan) -> Excess {
         if phase.powered {
             let length_s = phase.duration_s / phase.intervals as f64;
             for ends in controls.windows(2) {
-                let [from_b, to_b] = [&ends[0].thrust_b, &ends[1].thrust_b];
-                let thrust_rate_n_s = (to_b.z - from_b.z).abs() / length_s;
-                excess.see_rates(problem, thrust_rate_n_s, from_b.angle(to_b) / length_s);
+                excess.see_rates(problem, [&ends[0], &ends[1]], length_s);
             }
         }
     }
