@@ -17,7 +17,9 @@ pub enum SixDofError {
     #[error("no plan for the translation alone: {0}")]
     Translation(PlanError),
     /// Virtual control is left: the dynamics and the limits don't meet.
-    #[error("infeasible: virtual control {left:.2e} left, limit {limit:.0e} (scaled); miss {miss_m:.3} m")]
+    #[error(
+        "infeasible: virtual control {left:.2e} left, limit {limit:.0e} (scaled); miss {miss_m:.3} m"
+    )]
     VirtualControl { left: f64, limit: f64, miss_m: f64 },
     /// The re-propagated plan misses its end state.
     #[error(

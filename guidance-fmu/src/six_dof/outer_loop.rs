@@ -6,10 +6,14 @@ use super::subproblem::{DEFECT_WEIGHT, Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use crate::scvx::{ConicSolver, PlanError};
 
-/// Converged largest scaled shooting defect: 1e-8 of a few hundred metres is a few µm an interval.
+/// Converged largest scaled shooting defect: 1e-7 of a few hundred metres is some 20 µm an interval.
 const DEFECT: f64 = 1e-7;
 /// Converged change of the scaled propellant between two iterations.
 const FUEL_CHANGE: f64 = 1e-4;
+/// Change of the scaled propellant, and largest scaled defect, below which only the defects are left
+/// to mend: the proximal weight then only grows.
+const FUEL_FLAT: f64 = 2e-3;
+const DEFECT_SMALL: f64 = 1e-3;
 /// Proximal weight: initial, of a loop that mends, factors after a good and a bad step, and its range.
 pub(super) const STIFFNESS_START: f64 = 0.1;
 const STIFFNESS_MEND: f64 = 1.0;
@@ -113,8 +117,6 @@ pub(super) fn iterate(
         let share = (reference_merit - candidate_merit) / (reference_merit - model);
         let fuel_change =
             (candidate.end_mass_kg() - outcome.trajectory.end_mass_kg()).abs() / scale.state[0];
-        #[cfg(feature = "trace")]
-        eprintln!("{:2} k {stiffness:.1e} it {} vc {virtual_control:.2e} defect {defect_max:.2e} merit {candidate_merit:.6} share {share:.3} fuel {:.5} steps {:?}", work.solves, solution.iterations, problem.mass_kg()-candidate.end_mass_kg(), candidate.iterate.step_s);
         let converged = defect_max <= DEFECT && fuel_change <= FUEL_CHANGE;
         let accepted = converged || reference_merit.is_infinite() || share > REFUSED;
         if accepted {
@@ -131,7 +133,7 @@ pub(super) fn iterate(
         if reference_merit - model < STALL {
             break;
         }
-        settled |= accepted && fuel_change < 2e-3 && defect_max < 1e-3;
+        settled |= accepted && fuel_change < FUEL_FLAT && defect_max < DEFECT_SMALL;
         if settled {
             stiffness *= STIFFNESS_GROWTH;
         } else if share > GOOD {

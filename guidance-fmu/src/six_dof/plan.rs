@@ -245,7 +245,12 @@ impl Excess {
     }
 
     /// Takes in one control.
-    pub(super) fn see_control(&mut self, problem: &SixDofProblem, u: &SixDofControl, powered: bool) {
+    pub(super) fn see_control(
+        &mut self,
+        problem: &SixDofProblem,
+        u: &SixDofControl,
+        powered: bool,
+    ) {
         let actuators = &problem.actuators;
         let torque = u.torque_b.abs() - actuators.torque_max_b;
         self.torque_nm = self.torque_nm.max(torque.max());

@@ -1,5 +1,6 @@
 //! From the translation's plan to a checked plan in six degrees of freedom.
 
+use super::dynamics::{R, V};
 use super::error::SixDofError;
 use super::guess::{self, Translation};
 use super::outer_loop::{self, Outcome, Work};
@@ -7,7 +8,6 @@ use super::plan::{Excess, SixDofPlan, SixDofReport};
 use super::problem::{SixDofProblem, SixDofSettings};
 use super::subproblem::{Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
-use super::dynamics::{R, V};
 use super::verify;
 use crate::scvx::{self, Program};
 
@@ -30,8 +30,7 @@ pub fn solve(
     let mut margins = vec![Margin::default(); grid.nodes()];
     let mut start = guess;
     loop {
-        let outcome =
-            outer_loop::iterate(problem, &grid, &scale, &margins, start, &mut work)?;
+        let outcome = outer_loop::iterate(problem, &grid, &scale, &margins, start, &mut work)?;
         let (plan, excesses) = measure(problem, &grid, &outcome, &work, &translation);
         converged(&outcome, &work, plan.report.miss_m)?;
         if !draw_in(&mut margins, problem, &excesses) || work.tightenings == TIGHTENINGS_MAX {

@@ -49,7 +49,8 @@ pub(super) fn shoot(
 /// ∂x'/∂x S + ∂x'/∂u U, with the control at `share` of the interval.
 fn chain(jacobian: &Jacobian, s: &Sensitivity, share: f64) -> Sensitivity {
     let j = jacobian;
-    let (mass, attitude, rates) = (s.fixed_rows::<1>(0), s.fixed_rows::<4>(Q), s.fixed_rows::<3>(W));
+    let (mass, attitude, rates) =
+        (s.fixed_rows::<1>(0), s.fixed_rows::<4>(Q), s.fixed_rows::<3>(W));
     let mut out = Sensitivity::zeros();
     out.fixed_rows_mut::<3>(R).copy_from(&s.fixed_rows::<3>(V));
     out.fixed_rows_mut::<3>(V).copy_from(&(j.v_q * attitude + j.v_m * mass));

@@ -221,8 +221,8 @@ impl Subproblem<'_> {
             }
             let step_s = reference.step_s[phase];
             let change = |row| {
-                let [start, end] = [control, control + 1]
-                    .map(|n| self.control(columns, reference, n, row));
+                let [start, end] =
+                    [control, control + 1].map(|n| self.control(columns, reference, n, row));
                 sum(end, scaled(start, -1.0))
             };
             let most = |rate: f64, row: usize| {
@@ -259,9 +259,8 @@ impl Subproblem<'_> {
             program.second_order([Affine::new([], rate), part(W), part(W + 1), part(W + 2)]);
             if let Some(angle_rad) = limits.glide_slope_rad.filter(|_| node < last) {
                 let unit_m = self.scale.state[R];
-                let from_target = |axis: usize| {
-                    shifted(part(R + axis), -self.problem.r_f_w[axis] / unit_m)
-                };
+                let from_target =
+                    |axis: usize| shifted(part(R + axis), -self.problem.r_f_w[axis] / unit_m);
                 let reach = scaled(from_target(2), angle_rad.tan());
                 let reach = shifted(reach, -margin.glide_slope_m / unit_m);
                 program.second_order([reach, from_target(0), from_target(1)]);
