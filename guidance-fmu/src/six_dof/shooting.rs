@@ -87,7 +87,7 @@ mod tests {
             gravity_m_s2: 1.625,
             mass_flow_s_m: 1.0 / (225.0 * 9.80665),
         };
-        let q = Vector3::new(0.2, -0.15, 0.3);
+        let q: Vector3<f64> = Vector3::new(0.2, -0.15, 0.3);
         let q = [(1.0 - q.norm_squared()).sqrt(), q.x, q.y, q.z];
         let start = State::from_column_slice(&[
             240.0, 30.0, -10.0, 60.0, -8.0, 3.0, -20.0, q[0], q[1], q[2], q[3], 0.2, -0.3, 0.1,

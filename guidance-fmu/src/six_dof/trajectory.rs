@@ -8,7 +8,7 @@ use super::shooting::{Sensitivity, shoot};
 
 /// Longest Runge-Kutta step of the shooting, s, in a burn and in a coast: its error stays below
 /// 0.1 mm over a flight, a hundredth of the accepted miss.
-const STEP_MAX_S: [f64; 2] = [0.1, 0.5];
+const STEP_MAX_S: [f64; 2] = [0.1, 0.25];
 
 /// A burn or a coast of equal intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
