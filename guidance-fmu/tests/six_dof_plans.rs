@@ -127,7 +127,7 @@ fn limits_hold_at_the_nodes_and_between_them() {
 /// all that the body can: its propellant is a lower bound. 0.1 % are its held accelerations.
 #[test]
 fn attitude_costs_a_few_percent_of_the_translation() {
-    let ratios: Vec<f64> = plans()
+    let mut ratios: Vec<f64> = plans()
         .iter()
         .map(|(problem, plan)| {
             let mut translation = problem.translation(0.0);
@@ -136,19 +136,19 @@ fn attitude_costs_a_few_percent_of_the_translation() {
             plan.propellant_kg() / bound.propellant_kg()
         })
         .collect();
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(least > 0.999, "cheaper than the translation: {least}");
+    ratios.sort_by(f64::total_cmp);
+    assert!(ratios[0] > 0.999, "cheaper than the translation: {}", ratios[0]);
     Claim {
         id: "six-dof-propellant",
         section: "Guidance",
-        claim: "propellant of 24 plans in 6 DoF above the translation's lower bound",
-        reference: "translation with thrust tilted by tilt and gimbal limit together",
+        claim: "propellant in 6 DoF above the translation's lower bound, median of 24 starts",
+        reference: "translation lit at once, thrust tilted by tilt and gimbal limit together",
         unit: "%",
-        bound: Bound::AtMost(15.0),
-        origin: "two seconds of turning ahead of the first burn, upright at the end",
+        bound: Bound::AtMost(5.0),
+        origin: "a few percent: two seconds of turning, upright at the end, 18 intervals",
         noise: 0.0,
     }
-    .holds_for(ratios.iter().map(|ratio| 100.0 * (ratio - 1.0)));
+    .holds(100.0 * (ratios[ratios.len() / 2] - 1.0));
 }
 
 /// BUG is symmetric about its x-z plane: the mirrored start has the mirrored plan.

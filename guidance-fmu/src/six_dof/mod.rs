@@ -6,6 +6,7 @@
 
 mod dynamics;
 mod error;
+mod excess;
 mod guess;
 mod outer_loop;
 mod plan;
@@ -17,7 +18,8 @@ mod trajectory;
 mod verify;
 
 pub use error::SixDofError;
-pub use plan::{Excess, SixDofControl, SixDofNode, SixDofPlan, SixDofReport};
+pub use excess::Excess;
+pub use plan::{SixDofControl, SixDofNode, SixDofPlan, SixDofReport};
 pub use planner::{solve, subproblem};
 pub use problem::{Actuators, Limits, SixDofProblem, SixDofSettings, Start};
 pub use verify::{MISS_MAX, NODE_EXCESS_MAX};

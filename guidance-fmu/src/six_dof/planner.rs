@@ -2,9 +2,10 @@
 
 use super::dynamics::{R, V};
 use super::error::SixDofError;
+use super::excess::Excess;
 use super::guess::{self, Translation};
 use super::outer_loop::{self, Outcome, Work};
-use super::plan::{Excess, SixDofPlan, SixDofReport};
+use super::plan::{SixDofPlan, SixDofReport};
 use super::problem::{SixDofProblem, SixDofSettings};
 use super::subproblem::{Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};

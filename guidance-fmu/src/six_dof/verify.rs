@@ -6,7 +6,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::dynamics::{Q, R, State, V, W};
 use super::error::SixDofError;
-use super::plan::{Excess, SixDofControl, SixDofNode, SixDofPlan};
+use super::excess::Excess;
+use super::plan::{SixDofControl, SixDofNode, SixDofPlan};
 use super::problem::SixDofProblem;
 
 /// Largest accepted miss of the re-propagated end: m, m/s, rad, rad/s.
