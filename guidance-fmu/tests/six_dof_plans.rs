@@ -74,7 +74,7 @@ fn plans_meet_their_end_when_flown() {
         .holds_for(reports().map(|r| r.miss_m_s));
     claim("six-dof-miss-attitude", "their attitude miss", "deg", 0.1, asked)
         .holds_for(reports().map(|r| r.miss_rad.to_degrees()));
-    // 1e-4 of a degree is a tenth of the accepted attitude miss's last digit.
+    // 0.001 is a hundredth of the accepted attitude and rate miss.
     let upright = "the limit at touchdown, and the planner's own attitude miss";
     claim("six-dof-end-tilt", "tilt at touchdown, re-flown", "deg", 1.001, upright)
         .holds_for(reports().map(|r| r.end_tilt_rad.to_degrees()));

@@ -103,12 +103,14 @@ impl SixDofPlan {
                 nodes.push(SixDofNode::new(start_s + step_s * n as f64, state));
             }
             let ends = &iterate.controls[first..=first + intervals];
-            // A coast's controls are zero to the solver's tolerance; the engine is off.
-            let engine = if phase.powered { 1.0 } else { 0.0 };
-            let control = |u: &Control| SixDofControl {
-                thrust_n: engine * u[THRUST],
-                gimbal_tan: u.fixed_rows::<2>(0) * engine,
-                torque_b: u.fixed_rows::<3>(TORQUE).into(),
+            let control = |u: &Control| {
+                let torque_b = u.fixed_rows::<3>(TORQUE).into();
+                // A coast's thrust is zero to the solver's tolerance; the engine is off.
+                if !phase.powered {
+                    return SixDofControl { torque_b, ..SixDofControl::default() };
+                }
+                let gimbal_tan = u.fixed_rows::<2>(0).into();
+                SixDofControl { thrust_n: u[THRUST], gimbal_tan, torque_b }
             };
             controls.push(ends.iter().map(control).collect());
             start_s += duration_s;

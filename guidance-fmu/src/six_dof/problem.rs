@@ -79,7 +79,11 @@ pub struct Limits {
 }
 
 impl Actuators {
-    /// Of a vehicle; the thrust rate is the full range in a second, which no vehicle file states.
+    /// Time from thrust floor to ceiling, s: assumed, ten times the engines' lag.
+    pub const FULL_RANGE_S: f64 = 1.0;
+
+    /// Of a vehicle. No vehicle file states a thrust rate: the full range takes
+    /// [`FULL_RANGE_S`](Self::FULL_RANGE_S).
     pub fn of(vehicle: &Vehicle) -> Self {
         let engine = &vehicle.engine;
         Self {
@@ -87,7 +91,7 @@ impl Actuators {
             isp_s: engine.isp_s,
             thrust_min_n: engine.thrust_min_n,
             thrust_max_n: engine.thrust_max_n,
-            thrust_rate_max_n_s: (engine.thrust_max_n - engine.thrust_min_n) / 1.0,
+            thrust_rate_max_n_s: (engine.thrust_max_n - engine.thrust_min_n) / Self::FULL_RANGE_S,
             gimbal_max_rad: engine.gimbal_limit_rad,
             gimbal_rate_max_rad_s: engine.gimbal_rate_rad_s,
             torque_max_b: vehicle.rcs.torque_max_b,
