@@ -1,10 +1,12 @@
 //! The guidance FMU's content: planning, tracking, attitude control, cut-off.
 //!
-//! [`scvx`] is the planner, usable alone. The rest flies its plans. Plain library: no FMI, no
-//! output, no clock, no threads. Equations (G.n) in the README.
+//! [`scvx`] is the planner, usable alone; [`six_dof`] plans for the rigid body and is not flown. The
+//! rest flies the plans of `scvx`. Plain library: no FMI, no output, no clock, no threads. Equations
+//! (G.n) in the README.
 
 pub mod navigation;
 pub mod scvx;
+pub mod six_dof;
 
 mod attitude;
 mod descent;

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-8;
 
 /// An affine expression Σ coefficient·x_column + constant; each column appears at most once.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Affine {
+pub(crate) struct Affine {
     pub terms: Vec<(usize, f64)>,
     pub constant: f64,
 }
@@ -40,7 +40,7 @@ pub struct Program {
 }
 
 impl Program {
-    pub(super) fn new(curvature: Vec<f64>, cost: Vec<f64>) -> Self {
+    pub(crate) fn new(curvature: Vec<f64>, cost: Vec<f64>) -> Self {
         Self { curvature, cost, entries: Vec::new(), rhs: Vec::new(), cones: Vec::new() }
     }
 
@@ -50,7 +50,7 @@ impl Program {
         self.rhs.push(row.constant);
     }
 
-    pub(super) fn zero(&mut self, row: Affine) {
+    pub(crate) fn zero(&mut self, row: Affine) {
         self.push(row);
         match self.cones.last_mut() {
             Some(ZeroConeT(rows)) => *rows += 1,
@@ -58,7 +58,7 @@ impl Program {
         }
     }
 
-    pub(super) fn nonnegative(&mut self, row: Affine) {
+    pub(crate) fn nonnegative(&mut self, row: Affine) {
         self.push(row);
         match self.cones.last_mut() {
             Some(NonnegativeConeT(rows)) => *rows += 1,
@@ -67,7 +67,7 @@ impl Program {
     }
 
     /// ‖rows[1..]‖ ≤ rows[0].
-    pub(super) fn second_order<const N: usize>(&mut self, rows: [Affine; N]) {
+    pub(crate) fn second_order<const N: usize>(&mut self, rows: [Affine; N]) {
         rows.into_iter().for_each(|row| self.push(row));
         self.cones.push(SecondOrderConeT(N));
     }

@@ -15,6 +15,7 @@ mod subproblem;
 mod trajectory;
 mod verify;
 
+pub(crate) use conic::Affine;
 pub use conic::{ConicSolver, Program, Solution};
 pub use error::PlanError;
 pub use plan::{Phase, Plan, Report, Sample};
