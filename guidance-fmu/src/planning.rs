@@ -6,8 +6,12 @@ use lander_models::vehicle::{G0_M_S2, Vehicle};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::descent::Aim;
 use crate::navigation::Navigation;
-use crate::scvx::{self, FinalTilt, PathLimits, Plan, Problem, Reserve, Settings};
+use crate::scvx::{
+    self, EngineState, FinalTilt, PathLimits, Plan, Problem, Propulsion, Reserve, Settings,
+    Terminal,
+};
 
 /// Free fall between the first plan and its first burn, tried in this order: time for a slew of
 /// 29° at the slew rate, for a small one, and none when the ground is near. A hop burns already.
@@ -22,6 +26,13 @@ const FREEZE_S: f64 = 2.0;
 /// The planned thrust direction ends within this of the vertical.
 const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
+
+/// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
+/// three changes of mind.
+const PROPULSION: Propulsion = Propulsion::OnOff { on_min_s: 0.2, off_min_s: 0.2, restarts_max: 4 };
+/// Failed plans in a row, each a period apart, after which the last one no longer counts: 2 s at
+/// 0.5 s, in which tracking at 0.7 rad/s has either mended the error or never will.
+const FAILED_IN_A_ROW_MAX: u32 = 4;
 
 /// What a disturbed flight may draw on beyond the planned band: this share of the thrust between
 /// the planned ceiling and the engine's, and 2° of tilt (29° + 2° stays within the body's 34°).
@@ -53,10 +64,14 @@ pub struct Planning {
     pub next_due: Ticks,
     pub accepted: u32,
     pub failed: u32,
+    /// Failed plans since the last accepted one.
+    pub failed_in_a_row: u32,
+    /// How much of the target is still asked for.
+    pub terminal: Terminal,
 }
 
 impl Planning {
-    /// A first plan, with the longest lead that has one.
+    /// A first plan: of the target as far as one can be had, with the longest lead that has one.
     pub fn first(
         &mut self,
         vehicle: &Vehicle,
@@ -67,18 +82,37 @@ impl Planning {
     ) {
         let hop = task.mode == GuidanceMode::Hop;
         let leads: &[Ticks] = if hop { &HOP_LEADS } else { &DESCENT_LEADS };
-        for lead in leads {
-            let problem = problem(vehicle, gravity_m_s2, task, nav, lead.seconds());
-            let start = now + *lead;
-            self.take(scvx::plan(&problem, &Settings::default()), start);
-            self.next_due = start + task.replan_period;
-            if self.flown.is_some() {
-                return;
+        // A hop has burnt since its lift-off, at time zero; a descent begins unlit.
+        let lit = EngineState { running: true, for_s: now.seconds(), ignitions: 1 };
+        let engine = if hop { lit } else { EngineState::default() };
+        for terminal in FALL_BACKS {
+            for lead in leads {
+                let nominal = problem(vehicle, gravity_m_s2, task, nav, lead.seconds(), terminal);
+                let problem = Problem { engine, ..nominal };
+                let start = now + *lead;
+                let answer = scvx::solve(&problem, &Settings::default());
+                self.next_due = start + task.replan_period;
+                if self.take(answer, start, terminal) {
+                    return;
+                }
             }
         }
     }
 
-    /// A new plan from here when one is due; the last one stays in force when it fails.
+    /// Where to land once the plan is over: at the target, or below the end of the plan.
+    pub fn aim(&self, task: &Task) -> Aim {
+        let end = self.flown.as_ref().and_then(|flown| flown.plan.nodes.last());
+        match (self.terminal, end) {
+            (Terminal::Point, _) => Aim::Target(task.target_w),
+            (Terminal::Anywhere, Some(end)) => {
+                Aim::Target(Vector3::new(end.r_w.x, end.r_w.y, task.target_w.z))
+            }
+            _ => Aim::Below,
+        }
+    }
+
+    /// A new plan from here when one is due. When it fails, the last one stays in force for a while;
+    /// then less of the target is asked for.
     pub fn update(
         &mut self,
         vehicle: &Vehicle,
@@ -91,23 +125,41 @@ impl Planning {
         if now < self.next_due || flown.time_to_go_s(now) < FREEZE_S {
             return;
         }
-        let problem = problem(vehicle, gravity_m_s2, task, nav, 0.0);
-        let answer =
-            scvx::replan(&problem, &Settings::default(), &flown.plan, flown.elapsed_s(now));
-        self.take(answer, now);
         self.next_due = now + task.replan_period;
-    }
-
-    fn take(&mut self, answer: Result<Plan, scvx::PlanError>, start: Ticks) {
-        match answer {
-            Ok(plan) => {
-                self.flown = Some(Flown { plan, start });
-                self.accepted += 1;
+        let asked_for = self.terminal;
+        for terminal in FALL_BACKS.into_iter().skip_while(|&terminal| terminal != asked_for) {
+            let Some(flown) = &self.flown else { return };
+            let problem = problem(vehicle, gravity_m_s2, task, nav, 0.0, terminal);
+            let answer =
+                scvx::replan(&problem, &Settings::default(), &flown.plan, flown.elapsed_s(now));
+            if self.take(answer, now, terminal) || self.failed_in_a_row <= FAILED_IN_A_ROW_MAX {
+                return;
             }
-            Err(_) => self.failed += 1,
         }
     }
+
+    /// Whether the answer is a plan, which is flown from `start` on.
+    fn take(
+        &mut self,
+        answer: Result<Plan, scvx::PlanError>,
+        start: Ticks,
+        terminal: Terminal,
+    ) -> bool {
+        let Ok(plan) = answer else {
+            self.failed += 1;
+            self.failed_in_a_row += 1;
+            return false;
+        };
+        self.flown = Some(Flown { plan, start });
+        self.terminal = terminal;
+        self.accepted += 1;
+        self.failed_in_a_row = 0;
+        true
+    }
 }
+
+/// What is asked of the planner, each when the one before has no plan.
+const FALL_BACKS: [Terminal; 3] = [Terminal::Point, Terminal::Anywhere, Terminal::SoftestImpact];
 
 /// The landing problem from `lead_s` of free fall ahead of now to the gate above the target.
 fn problem(
@@ -116,6 +168,7 @@ fn problem(
     task: &Task,
     nav: &Navigation,
     lead_s: f64,
+    terminal: Terminal,
 ) -> Problem {
     let fall_w = Vector3::z() * -gravity_m_s2;
     let r0_w = nav.position_w + nav.velocity_w * lead_s + fall_w * (0.5 * lead_s * lead_s);
@@ -133,12 +186,16 @@ fn problem(
         v0_w,
         r_f_w,
         v_f_w,
+        terminal,
         mass_kg: nav.mass.mass_kg,
         dry_mass_kg: (vehicle.mass.dry.mass_kg + reserve_kg).min(nav.mass.mass_kg),
         gravity_m_s2,
         isp_s: vehicle.engine.isp_s,
         thrust_min_n: task.plan_thrust_min_n,
         thrust_max_n: task.plan_thrust_max_n,
+        thrust_rate_max_n_s: None,
+        propulsion: PROPULSION,
+        engine: EngineState::default(),
         tilt_max_rad: task.tilt_max_rad,
         final_tilt: Some(FinalTilt {
             tilt_max_rad: FINAL_TILT_RAD.min(task.tilt_max_rad),

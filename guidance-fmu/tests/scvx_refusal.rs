@@ -2,19 +2,19 @@
 
 mod scvx_scenarios;
 
-use guidance_fmu::scvx::{PathLimits, PlanError, Problem, Settings, Structure, plan, replan};
+use guidance_fmu::scvx::{PathLimits, PlanError, Problem, Propulsion, Settings, replan, solve};
 use nalgebra::Vector3;
 use scvx_scenarios::{descent, flown_descent};
 
 fn refusal(problem: &Problem, settings: &Settings) -> PlanError {
-    plan(problem, settings).expect_err("no plan exists")
+    solve(problem, settings).expect_err("no plan exists")
 }
 
 #[test]
 fn strictly_on_within_the_tilt_limit() {
     // 800 N · cos 29° / 259.5 kg − 1.625 m/s² = 1.071 m/s² upwards, always.
-    let settings = Settings { structure: Some(Structure::On), ..Settings::default() };
-    match refusal(&descent(), &settings) {
+    let problem = Problem { propulsion: Propulsion::AlwaysOn, ..descent() };
+    match refusal(&problem, &Settings::default()) {
         PlanError::Tilt { net_up_m_s2, .. } => assert!((net_up_m_s2 - 1.071).abs() < 1e-3),
         other => panic!("{other}"),
     }
@@ -74,7 +74,7 @@ fn inputs_are_named() {
             other => panic!("{name}: {other}"),
         }
     }
-    let last = plan(&descent(), &Settings::default()).expect("feasible");
+    let last = solve(&descent(), &Settings::default()).expect("feasible");
     let error = replan(&descent(), &Settings::default(), &last, nan).expect_err("not a time");
     assert!(matches!(error, PlanError::Input { field: "elapsed_s", .. }), "{error}");
 }
