@@ -8,7 +8,7 @@ use super::problem::{Problem, Settings, within};
 use super::propulsion::Propulsion;
 use super::start;
 use super::structure::{Grid, Structure};
-use super::trajectory::Iterate;
+use super::trajectory::{Iterate, Trajectory};
 use super::verify;
 
 /// Plans from nothing: a relaxed solve gives the switching structure, a refined one the plan.
@@ -108,9 +108,19 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     let relaxed_settings =
         Settings { single_burn_intervals: settings.relaxed_intervals, ..settings.clone() };
     let grid = Grid::new(Structure::On, &relaxed_problem, &relaxed_settings);
-    let guess = start::minimum_energy(problem, &grid);
-    let relaxed =
-        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget)?.trajectory;
+    let mut relax = |guess| {
+        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget)
+            .map(|outcome| outcome.trajectory)
+    };
+    let mut relaxed = relax(start::minimum_energy(problem, &grid))?;
+    if missed_m(&relaxed) > verify::MISS_MAX {
+        // Short and long flights are separate valleys; the linearisation leads from neither to the other.
+        let climb = relax(start::climb(problem, &grid));
+        relaxed = match climb {
+            Ok(climb) if missed_m(&climb) < missed_m(&relaxed) => climb,
+            _ => relaxed,
+        };
+    }
     // The relaxed switching times can hide a burn shorter than its intervals, and limits can forbid
     // the structure they show.
     let wanted = start::structure(problem, &relaxed);
@@ -129,6 +139,10 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         }
         _ => Err(instead),
     }
+}
+
+fn missed_m(trajectory: &Trajectory) -> f64 {
+    trajectory.miss_r_w.norm()
 }
 
 /// One loop on one grid, its report and its verdict.

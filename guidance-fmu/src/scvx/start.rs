@@ -36,6 +36,29 @@ pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
     best.map_or_else(|| minimum_energy_at(problem, grid, unit_s), |(_, guess)| guess)
 }
 
+/// Minimum-energy guess on the shortest flight whose sideways impulse the tilt limit allows (G.41):
+/// long enough to climb while the sideways speed is turned round.
+pub(super) fn climb(problem: &Problem, grid: &Grid) -> Iterate {
+    /// Room for the impulse's distribution in time.
+    const SHARE: f64 = 0.9;
+    const GROWTH: f64 = 1.25;
+    const TRIES: i32 = 30;
+    let unit_s = (problem.v0_w - problem.v_f_w).norm() / problem.gravity_m_s2;
+    let per_upward = SHARE * problem.tilt_max_rad.tan();
+    let guesses =
+        (0..TRIES).map(|k| minimum_energy_at(problem, grid, 0.1 * unit_s * GROWTH.powi(k)));
+    let mut longest = None;
+    for guess in guesses {
+        let sideways_m_s: f64 = guess.w_w.iter().map(|w| w.xy().norm()).sum();
+        let upward_m_s: f64 = guess.w_w.iter().map(|w| w.z).sum();
+        longest = Some(guess);
+        if sideways_m_s <= per_upward * upward_m_s {
+            break;
+        }
+    }
+    longest.unwrap_or_else(|| minimum_energy(problem, grid))
+}
+
 /// Thrust acceleration linear in time that meets both end states at `t_f_s` (G.19).
 fn minimum_energy_at(problem: &Problem, grid: &Grid, t_f_s: f64) -> Iterate {
     let dv_w = problem.v_f_w - problem.v0_w;

@@ -9,18 +9,18 @@ use super::random::Lcg;
 /// Intervals of the oracle's one grid.
 const ORACLE_INTERVALS: usize = 60;
 
-/// State `index` of the envelope: within 500 m of the target on either axis, 30 to 1000 m above
-/// it, at up to 30 m/s on either axis, 60 m/s down to 10 m/s up, 180 to 259.5 kg of which 174 kg
+/// State `index` of the envelope: within 500 m of the target on either axis, 10 to 1000 m above
+/// it, at up to 30 m/s on either axis, 80 m/s down to 10 m/s up, 176 to 259.5 kg of which 174 kg
 /// are dry. To rest at the target without sinking below it.
 pub fn state(index: u64) -> Problem {
     let mut random = Lcg(index);
     // The first numbers of neighbouring seeds are alike.
-    (0..8).for_each(|_| drop(random.uniform()));
+    (0..8).for_each(|_| _ = random.uniform());
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
     Problem {
-        r0_w: Vector3::new(between(-500.0, 500.0), between(-500.0, 500.0), between(30.0, 1000.0)),
-        v0_w: Vector3::new(between(-30.0, 30.0), between(-30.0, 30.0), between(-60.0, 10.0)),
-        mass_kg: between(180.0, 259.5),
+        r0_w: Vector3::new(between(-500.0, 500.0), between(-500.0, 500.0), between(10.0, 1000.0)),
+        v0_w: Vector3::new(between(-30.0, 30.0), between(-30.0, 30.0), between(-80.0, 10.0)),
+        mass_kg: between(176.0, 259.5),
         path: PathLimits { glide_slope_rad: None, altitude_min_m: Some(0.0) },
         ..descent()
     }
