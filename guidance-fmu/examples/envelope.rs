@@ -2,7 +2,6 @@
 //! on the output, its summary on the error output. Argument: number of states, 1000 if none.
 
 #[path = "../tests/scvx_scenarios/mod.rs"]
-#[allow(dead_code)]
 mod scvx_scenarios;
 
 use std::collections::BTreeMap;

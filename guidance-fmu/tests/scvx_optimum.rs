@@ -8,7 +8,7 @@ use guidance_fmu::scvx::{
 };
 use nalgebra::Vector3;
 use scvx_scenarios::random::Lcg;
-use scvx_scenarios::{descent, flown_descent};
+use scvx_scenarios::{descent, flown_descent, hop};
 
 /// Optima by Pontryagin shooting, kg, found without the planner. The tolerance covers held
 /// accelerations: a burn at constant u gives up the mass flow of one interval, below 0.1 %.
@@ -37,9 +37,7 @@ fn descent_matches_the_pontryagin_optimum() {
 
 #[test]
 fn hop_matches_the_pontryagin_optimum() {
-    let r0_w = Vector3::new(200.0, 0.0, 5.0);
-    let hop = Problem { r0_w, v0_w: Vector3::zeros(), ..descent() };
-    assert_optimum("propellant-hop", "hop", &hop, 4.68829);
+    assert_optimum("propellant-hop", "hop", &hop(), 4.68829);
 }
 
 /// docs/validation/pontryagin.csv: random states about the descent and their optima, made by

@@ -243,8 +243,8 @@ impl Default for Settings {
             first_burn_intervals: 6,
             last_burn_intervals: 8,
             single_burn_intervals: 12,
-            outer_max: 12,
-            solves_max: 36,
+            outer_max: 20,
+            solves_max: 60,
             solver_iterations_max: 60,
         }
     }

@@ -1,5 +1,8 @@
 //! Reference descents of the planner tests: lunar gravity, a 259.5 kg lander, I_sp 225 s.
 
+// Each test takes what it needs.
+#![allow(dead_code)]
+
 pub mod envelope;
 pub mod random;
 
@@ -28,6 +31,11 @@ pub fn descent() -> Problem {
         reserve: None,
         path: PathLimits::default(),
     }
+}
+
+/// The hop: from rest at (200, 0, 5) m to rest at the origin.
+pub fn hop() -> Problem {
+    Problem { r0_w: Vector3::new(200.0, 0.0, 5.0), v0_w: Vector3::zeros(), ..descent() }
 }
 
 /// The descent with limits that leave tracking a margin, to the start of a terminal law.
