@@ -220,3 +220,66 @@ pub fn gate(task: &Task, nav: &Navigation) -> (Vector3<f64>, Vector3<f64>) {
         (task.cutoff_speed_m_s.powi(2) + 2.0 * task.terminal_deceleration_m_s2 * braking_m).sqrt();
     (position_w, Vector3::z() * -speed_m_s)
 }
+
+#[cfg(test)]
+mod tests {
+    use lander_models::scenario::Scenario;
+    use lander_models::signals::{ATTITUDE_WB, GUIDANCE, MASS_KG, POSITION_W, VELOCITY_W};
+
+    use super::*;
+
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/scenarios/landing.toml");
+
+    /// Upright, `across_m` from the target, 500 m above it, falling.
+    fn falling(vehicle: &Vehicle, across_m: f64, propellant_kg: f64) -> Navigation {
+        let mut inputs = vec![0.0; GUIDANCE.input_len()];
+        let at = |name| GUIDANCE.input_offset(name).unwrap();
+        inputs[at(ATTITUDE_WB.name)] = 1.0;
+        inputs[at(MASS_KG.name)] = vehicle.mass.dry.mass_kg + propellant_kg;
+        inputs[at(POSITION_W.name)] = across_m;
+        inputs[at(POSITION_W.name) + 2] = 500.0;
+        inputs[at(VELOCITY_W.name) + 2] = -25.0;
+        Navigation::read(vehicle, &inputs).unwrap()
+    }
+
+    #[test]
+    fn a_first_plan_asks_for_less_where_the_target_cannot_be_had() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        // Across 100 m, 3 km with little propellant, and with too little to stop at all: free fall
+        // to the ground is 47 m/s, and 2 kg are 25 m/s.
+        for (across_m, propellant_kg, terminal) in [
+            (100.0, 70.0, Terminal::Point),
+            (3000.0, 10.0, Terminal::Anywhere),
+            (100.0, 2.0, Terminal::SoftestImpact),
+        ] {
+            let mut planning = Planning::default();
+            let nav = falling(&vehicle, across_m, propellant_kg);
+            planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+            assert!(planning.flown.is_some(), "{terminal:?}");
+            assert_eq!(planning.terminal, terminal);
+        }
+    }
+
+    #[test]
+    fn the_last_plan_is_flown_until_it_has_failed_too_often() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        let mut planning = Planning::default();
+        let nav = falling(&vehicle, 100.0, 70.0);
+        planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+        let first = planning.flown.clone().unwrap().plan;
+        // Suddenly 3 km away: the target is out of reach.
+        let astray = falling(&vehicle, 3000.0, 10.0);
+        let mut now = planning.next_due;
+        for failed in 1..=FAILED_IN_A_ROW_MAX {
+            planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+            assert_eq!(planning.failed_in_a_row, failed);
+            assert_eq!(planning.flown.as_ref().unwrap().plan, first);
+            now = planning.next_due;
+        }
+        planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+        assert_eq!((planning.terminal, planning.failed_in_a_row), (Terminal::Anywhere, 0));
+        assert!(matches!(planning.aim(task), Aim::Target(site_w) if site_w.x > 2000.0));
+    }
+}

@@ -90,10 +90,12 @@ fn on_off(on_min_s: f64, off_min_s: f64, restarts_max: u32) -> Propulsion {
 #[test]
 fn a_restart_limit_takes_the_first_burn_away() {
     let once = Problem { propulsion: on_off(0.2, 0.2, 0), ..descent() };
-    let plan = found(&once);
+    // Held accelerations cost this burn 0.5 % on eight intervals.
+    let settings = Settings { last_burn_intervals: 60, ..Settings::default() };
+    let plan = solve(&once, &settings).expect("feasible");
     assert_eq!(plan.structure, Structure::OffOn);
     // 7.25 kg is a reference for coast and burn, given to three figures.
-    assert!((plan.propellant_kg() - 7.25).abs() < 0.02, "{} kg", plan.propellant_kg());
+    assert!((plan.propellant_kg() - 7.25).abs() < 0.005, "{} kg", plan.propellant_kg());
     assert_eq!(plan.engine_at(plan.duration_s()).ignitions, 1);
     assert_eq!(found(&descent()).engine_at(60.0).ignitions, 2);
 }
@@ -109,7 +111,7 @@ fn orders_that_no_limit_allows_are_named() {
     }
     // Running, with no restart left: burning without a coast cannot descend, and says so.
     let engine = EngineState { running: true, for_s: 10.0, ignitions: 1 };
-    let running = Problem { engine, propulsion: on_off(0.2, 0.2, 0), ..descent() };
+    let running = Problem { engine, propulsion: on_off(0.2, 0.2, 0), ..hop() };
     let error = refusal(&running);
     assert!(error.is_infeasible(), "{error}");
     match error {

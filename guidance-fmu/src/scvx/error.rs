@@ -28,7 +28,7 @@ pub enum PlanError {
     /// The order of burns and coasts that the flight needs breaks a limit of the propulsion mode,
     /// and the orders that are left, if any, fail too.
     #[error(
-        "infeasible: {wanted:?} breaks `{limit}`, and {}",
+        "{wanted:?} breaks `{limit}`, and {}",
         instead.as_ref().map_or("no other order is allowed".into(), |e| format!("instead: {e}"))
     )]
     Structure { wanted: Structure, limit: &'static str, instead: Option<Box<PlanError>> },
