@@ -4,7 +4,7 @@
 mod scvx_scenarios;
 
 use claims::{Bound, Claim};
-use guidance_fmu::scvx::{Plan, Settings, solve};
+use guidance_fmu::scvx::{Plan, Problem, Settings, Terminal, solve};
 use scvx_scenarios::envelope::{oracle, state, verdict};
 
 const STATES: u64 = 60;
@@ -42,6 +42,12 @@ fn the_envelope_is_planned_or_declared_infeasible() {
         assert_ne!(planner, "no answer", "state {index}: {answer:?}");
         if answer.is_ok() != reference.is_ok() {
             disagreements.push(format!("{index}: {planner}, oracle {oracle}"));
+        }
+        if answer.is_err() {
+            // The end of the fall-back chain: nothing refused is left without a plan.
+            let softest = Problem { terminal: Terminal::SoftestImpact, ..problem };
+            let plan = solve(&softest, &Settings::default());
+            assert!(plan.is_ok(), "state {index}: {plan:?}");
         }
         plans.extend(answer);
     }

@@ -4,7 +4,7 @@ use super::conic::Program;
 use super::error::PlanError;
 use super::outer_loop::{self, Budget, End, Outcome};
 use super::plan::{Plan, Report};
-use super::problem::{Problem, Settings, within};
+use super::problem::{Problem, Settings, Terminal, within};
 use super::propulsion::Propulsion;
 use super::start;
 use super::structure::{Grid, Structure};
@@ -49,6 +49,13 @@ pub fn solve(problem: &Problem, settings: &Settings) -> Result<Plan, PlanError> 
     problem.validate()?;
     settings.validate()?;
     verify::initial_path(problem)?;
+    if problem.terminal == Terminal::SoftestImpact {
+        // A landing is the softest impact there is, and easier to find as such.
+        let landing = Problem { terminal: Terminal::Anywhere, ..problem.clone() };
+        if let Ok(plan) = cold(&landing, settings, &mut Budget::new(settings)) {
+            return Ok(plan);
+        }
+    }
     cold(problem, settings, &mut Budget::new(settings))
 }
 
@@ -113,11 +120,11 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
             .map(|outcome| outcome.trajectory)
     };
     let mut relaxed = relax(start::minimum_energy(problem, &grid))?;
-    if missed_m(&relaxed) > verify::MISS_MAX {
+    if shortfall(problem, &relaxed) > verify::MISS_MAX {
         // Short and long flights are separate valleys; the linearisation leads from neither to the other.
         let climb = relax(start::climb(problem, &grid));
         relaxed = match climb {
-            Ok(climb) if missed_m(&climb) < missed_m(&relaxed) => climb,
+            Ok(climb) if shortfall(problem, &climb) < shortfall(problem, &relaxed) => climb,
             _ => relaxed,
         };
     }
@@ -127,6 +134,9 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     let mut refusal = None;
     for structure in Structure::allowed(problem, wanted)? {
         let (grid, start) = start::from_relaxed(problem, &relaxed, structure, settings);
+        // Free fall is there when all else has failed, and takes a solve or two.
+        let last_resort = &mut Budget::new(settings);
+        let budget = if structure == Structure::Off { last_resort } else { &mut *budget };
         match attempt(problem, settings, &grid, start, budget) {
             Ok(plan) => return Ok(plan),
             Err(error) => refusal = refusal.or(Some(error)),
@@ -141,8 +151,12 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     }
 }
 
-fn missed_m(trajectory: &Trajectory) -> f64 {
-    trajectory.miss_r_w.norm()
+/// How much a trajectory leaves to be wished for at the target and on the path, m and m/s alike.
+fn shortfall(problem: &Problem, trajectory: &Trajectory) -> f64 {
+    let outside_m: f64 =
+        trajectory.path_violations(problem, verify::PATH_EXCESS_MAX_M).iter().map(|(_, m)| m).sum();
+    let impact_m_s = trajectory.nodes.last().map_or(0.0, |end| problem.impact_m_s(&end.v_w));
+    trajectory.miss_r_w.norm() + trajectory.miss_v_w.norm() + outside_m + impact_m_s
 }
 
 /// One loop on one grid, its report and its verdict.

@@ -20,11 +20,8 @@ const RELAXED_BURN_MIN_S: f64 = 0.1;
 pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
     /// Flight times tried, against the larger of the ballistic and the braking time.
     const TIME_FACTORS: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
-    let drop_m = (problem.r0_w.z - problem.r_f_w.z).max(0.0);
-    let [rise_m_s, g_m_s2] = [problem.v0_w.z, problem.gravity_m_s2];
-    let fall_s = (rise_m_s + (rise_m_s * rise_m_s + 2.0 * g_m_s2 * drop_m).sqrt()) / g_m_s2;
     let range_m = (problem.r0_w - problem.r_f_w).norm();
-    let unit_s = fall_s.max((2.0 * range_m / g_m_s2).sqrt()).max(1.0);
+    let unit_s = fall_s(problem).max((2.0 * range_m / problem.gravity_m_s2).sqrt()).max(1.0);
     let mut best: Option<(f64, Iterate)> = None;
     for factor in TIME_FACTORS {
         let guess = minimum_energy_at(problem, grid, factor * unit_s);
@@ -34,6 +31,13 @@ pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
         }
     }
     best.map_or_else(|| minimum_energy_at(problem, grid, unit_s), |(_, guess)| guess)
+}
+
+/// Time to the target's height without thrust, s.
+fn fall_s(problem: &Problem) -> f64 {
+    let drop_m = (problem.r0_w.z - problem.r_f_w.z).max(0.0);
+    let [rise_m_s, g_m_s2] = [problem.v0_w.z, problem.gravity_m_s2];
+    (rise_m_s + (rise_m_s * rise_m_s + 2.0 * g_m_s2 * drop_m).sqrt()) / g_m_s2
 }
 
 /// Minimum-energy guess on the shortest flight whose sideways impulse the tilt limit allows (G.41):
@@ -130,7 +134,7 @@ pub(super) fn from_relaxed(
         Structure::OffOn => &[coast, (first_w + last_w, first_s + last_s)],
         Structure::OnOff => &[(first_w + last_w, first_s + last_s), coast],
         Structure::On => &[(relaxed.iterate.w_w.iter().sum(), flight_s)],
-        Structure::Off => &[(Vector3::zeros(), flight_s)],
+        Structure::Off => &[(Vector3::zeros(), fall_s(problem))],
     };
     let counts = || grid.phases.iter().map(|phase| phase.intervals as f64);
     let steps_s = phases.iter().zip(counts()).map(|((_, duration_s), n)| duration_s / n).collect();
