@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use guidance_fmu::scvx::{PathLimits, PlanError, Problem, Settings, plan, replan};
+use guidance_fmu::scvx::{
+    EngineState, PathLimits, PlanError, Problem, Propulsion, Settings, Terminal, replan, solve,
+};
 use nalgebra::Vector3;
 
 fn main() -> Result<(), PlanError> {
@@ -11,12 +13,16 @@ fn main() -> Result<(), PlanError> {
         v0_w: Vector3::new(-15.0, -5.0, -25.0),
         r_f_w: Vector3::new(0.0, 0.0, 12.0),
         v_f_w: Vector3::new(0.0, 0.0, -8.0),
+        terminal: Terminal::Point,
         mass_kg: 259.5,
         dry_mass_kg: 174.0,
         gravity_m_s2: 1.625,
         isp_s: 225.0,
         thrust_min_n: 900.0,
         thrust_max_n: 2500.0,
+        thrust_rate_max_n_s: None,
+        propulsion: Propulsion::default(),
+        engine: EngineState::default(),
         tilt_max_rad: 29_f64.to_radians(),
         final_tilt: None,
         reserve: None,
@@ -27,10 +33,10 @@ fn main() -> Result<(), PlanError> {
     for k in 0..100 {
         problem.r0_w.x = 250.0 + k as f64;
         let start = Instant::now();
-        plan(&problem, &settings)?;
+        solve(&problem, &settings)?;
         cold_ms.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    let mut current = plan(&problem, &settings)?;
+    let mut current = solve(&problem, &settings)?;
     while current.time_to_go(0.1) > 2.0 {
         let now = current.sample(0.1);
         (problem.r0_w, problem.v0_w, problem.mass_kg) = (now.r_w, now.v_w, now.mass_kg);

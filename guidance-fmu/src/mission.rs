@@ -89,7 +89,7 @@ impl Mission {
             Phase::Standby => Orders::NONE,
             Phase::LiftOff => lift_off(context),
             Phase::Coast | Phase::Burn => self.follow_plan(context),
-            Phase::Terminal => self.descend(context, Aim::Target(context.task.target_w)),
+            Phase::Terminal => self.descend(context, self.planning.aim(context.task)),
             Phase::FallBack => self.descend(context, Aim::Below),
             Phase::CutOff => {
                 self.touched |= context.nav.any_foot_down;

@@ -6,8 +6,12 @@ use lander_models::vehicle::{G0_M_S2, Vehicle};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::descent::Aim;
 use crate::navigation::Navigation;
-use crate::scvx::{self, FinalTilt, PathLimits, Plan, Problem, Reserve, Settings};
+use crate::scvx::{
+    self, EngineState, FinalTilt, PathLimits, Plan, Problem, Propulsion, Reserve, Settings,
+    Terminal,
+};
 
 /// Free fall between the first plan and its first burn, tried in this order: time for a slew of
 /// 29° at the slew rate, for a small one, and none when the ground is near. A hop burns already.
@@ -22,6 +26,13 @@ const FREEZE_S: f64 = 2.0;
 /// The planned thrust direction ends within this of the vertical.
 const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
+
+/// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
+/// three changes of mind.
+const PROPULSION: Propulsion = Propulsion::OnOff { on_min_s: 0.2, off_min_s: 0.2, restarts_max: 4 };
+/// Failed plans in a row, each a period apart, after which the last one no longer counts: 2 s at
+/// 0.5 s, in which tracking at 0.7 rad/s has either mended the error or never will.
+const FAILED_IN_A_ROW_MAX: u32 = 4;
 
 /// What a disturbed flight may draw on beyond the planned band: this share of the thrust between
 /// the planned ceiling and the engine's, and 2° of tilt (29° + 2° stays within the body's 34°).
@@ -53,10 +64,14 @@ pub struct Planning {
     pub next_due: Ticks,
     pub accepted: u32,
     pub failed: u32,
+    /// Failed plans since the last accepted one.
+    pub failed_in_a_row: u32,
+    /// How much of the target is still asked for.
+    pub terminal: Terminal,
 }
 
 impl Planning {
-    /// A first plan, with the longest lead that has one.
+    /// A first plan: of the target as far as one can be had, with the longest lead that has one.
     pub fn first(
         &mut self,
         vehicle: &Vehicle,
@@ -67,18 +82,37 @@ impl Planning {
     ) {
         let hop = task.mode == GuidanceMode::Hop;
         let leads: &[Ticks] = if hop { &HOP_LEADS } else { &DESCENT_LEADS };
-        for lead in leads {
-            let problem = problem(vehicle, gravity_m_s2, task, nav, lead.seconds());
-            let start = now + *lead;
-            self.take(scvx::plan(&problem, &Settings::default()), start);
-            self.next_due = start + task.replan_period;
-            if self.flown.is_some() {
-                return;
+        // A hop has burnt since its lift-off, at time zero; a descent begins unlit.
+        let lit = EngineState { running: true, for_s: now.seconds(), ignitions: 1 };
+        let engine = if hop { lit } else { EngineState::default() };
+        for terminal in FALL_BACKS {
+            for lead in leads {
+                let nominal = problem(vehicle, gravity_m_s2, task, nav, lead.seconds(), terminal);
+                let problem = Problem { engine, ..nominal };
+                let start = now + *lead;
+                let answer = scvx::solve(&problem, &Settings::default());
+                self.next_due = start + task.replan_period;
+                if self.take(answer, start, terminal) {
+                    return;
+                }
             }
         }
     }
 
-    /// A new plan from here when one is due; the last one stays in force when it fails.
+    /// Where to land once the plan is over: at the target, or below the end of the plan.
+    pub fn aim(&self, task: &Task) -> Aim {
+        let end = self.flown.as_ref().and_then(|flown| flown.plan.nodes.last());
+        match (self.terminal, end) {
+            (Terminal::Point, _) => Aim::Target(task.target_w),
+            (Terminal::Anywhere, Some(end)) => {
+                Aim::Target(Vector3::new(end.r_w.x, end.r_w.y, task.target_w.z))
+            }
+            _ => Aim::Below,
+        }
+    }
+
+    /// A new plan from here when one is due. When it fails, the last one stays in force for a while;
+    /// then less of the target is asked for.
     pub fn update(
         &mut self,
         vehicle: &Vehicle,
@@ -91,23 +125,41 @@ impl Planning {
         if now < self.next_due || flown.time_to_go_s(now) < FREEZE_S {
             return;
         }
-        let problem = problem(vehicle, gravity_m_s2, task, nav, 0.0);
-        let answer =
-            scvx::replan(&problem, &Settings::default(), &flown.plan, flown.elapsed_s(now));
-        self.take(answer, now);
         self.next_due = now + task.replan_period;
-    }
-
-    fn take(&mut self, answer: Result<Plan, scvx::PlanError>, start: Ticks) {
-        match answer {
-            Ok(plan) => {
-                self.flown = Some(Flown { plan, start });
-                self.accepted += 1;
+        let asked_for = self.terminal;
+        for terminal in FALL_BACKS.into_iter().skip_while(|&terminal| terminal != asked_for) {
+            let Some(flown) = &self.flown else { return };
+            let problem = problem(vehicle, gravity_m_s2, task, nav, 0.0, terminal);
+            let answer =
+                scvx::replan(&problem, &Settings::default(), &flown.plan, flown.elapsed_s(now));
+            if self.take(answer, now, terminal) || self.failed_in_a_row <= FAILED_IN_A_ROW_MAX {
+                return;
             }
-            Err(_) => self.failed += 1,
         }
     }
+
+    /// Whether the answer is a plan, which is flown from `start` on.
+    fn take(
+        &mut self,
+        answer: Result<Plan, scvx::PlanError>,
+        start: Ticks,
+        terminal: Terminal,
+    ) -> bool {
+        let Ok(plan) = answer else {
+            self.failed += 1;
+            self.failed_in_a_row += 1;
+            return false;
+        };
+        self.flown = Some(Flown { plan, start });
+        self.terminal = terminal;
+        self.accepted += 1;
+        self.failed_in_a_row = 0;
+        true
+    }
 }
+
+/// What is asked of the planner, each when the one before has no plan.
+const FALL_BACKS: [Terminal; 3] = [Terminal::Point, Terminal::Anywhere, Terminal::SoftestImpact];
 
 /// The landing problem from `lead_s` of free fall ahead of now to the gate above the target.
 fn problem(
@@ -116,6 +168,7 @@ fn problem(
     task: &Task,
     nav: &Navigation,
     lead_s: f64,
+    terminal: Terminal,
 ) -> Problem {
     let fall_w = Vector3::z() * -gravity_m_s2;
     let r0_w = nav.position_w + nav.velocity_w * lead_s + fall_w * (0.5 * lead_s * lead_s);
@@ -133,12 +186,16 @@ fn problem(
         v0_w,
         r_f_w,
         v_f_w,
+        terminal,
         mass_kg: nav.mass.mass_kg,
         dry_mass_kg: (vehicle.mass.dry.mass_kg + reserve_kg).min(nav.mass.mass_kg),
         gravity_m_s2,
         isp_s: vehicle.engine.isp_s,
         thrust_min_n: task.plan_thrust_min_n,
         thrust_max_n: task.plan_thrust_max_n,
+        thrust_rate_max_n_s: None,
+        propulsion: PROPULSION,
+        engine: EngineState::default(),
         tilt_max_rad: task.tilt_max_rad,
         final_tilt: Some(FinalTilt {
             tilt_max_rad: FINAL_TILT_RAD.min(task.tilt_max_rad),
@@ -162,4 +219,67 @@ pub fn gate(task: &Task, nav: &Navigation) -> (Vector3<f64>, Vector3<f64>) {
     let speed_m_s =
         (task.cutoff_speed_m_s.powi(2) + 2.0 * task.terminal_deceleration_m_s2 * braking_m).sqrt();
     (position_w, Vector3::z() * -speed_m_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use lander_models::scenario::Scenario;
+    use lander_models::signals::{ATTITUDE_WB, GUIDANCE, MASS_KG, POSITION_W, VELOCITY_W};
+
+    use super::*;
+
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/scenarios/landing.toml");
+
+    /// Upright, `across_m` from the target, 500 m above it, falling.
+    fn falling(vehicle: &Vehicle, across_m: f64, propellant_kg: f64) -> Navigation {
+        let mut inputs = vec![0.0; GUIDANCE.input_len()];
+        let at = |name| GUIDANCE.input_offset(name).unwrap();
+        inputs[at(ATTITUDE_WB.name)] = 1.0;
+        inputs[at(MASS_KG.name)] = vehicle.mass.dry.mass_kg + propellant_kg;
+        inputs[at(POSITION_W.name)] = across_m;
+        inputs[at(POSITION_W.name) + 2] = 500.0;
+        inputs[at(VELOCITY_W.name) + 2] = -25.0;
+        Navigation::read(vehicle, &inputs).unwrap()
+    }
+
+    #[test]
+    fn a_first_plan_asks_for_less_where_the_target_cannot_be_had() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        // Across 100 m, 3 km with little propellant, and with too little to stop at all: free fall
+        // to the ground is 47 m/s, and 2 kg are 25 m/s.
+        for (across_m, propellant_kg, terminal) in [
+            (100.0, 70.0, Terminal::Point),
+            (3000.0, 10.0, Terminal::Anywhere),
+            (100.0, 2.0, Terminal::SoftestImpact),
+        ] {
+            let mut planning = Planning::default();
+            let nav = falling(&vehicle, across_m, propellant_kg);
+            planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+            assert!(planning.flown.is_some(), "{terminal:?}");
+            assert_eq!(planning.terminal, terminal);
+        }
+    }
+
+    #[test]
+    fn the_last_plan_is_flown_until_it_has_failed_too_often() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        let mut planning = Planning::default();
+        let nav = falling(&vehicle, 100.0, 70.0);
+        planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+        let first = planning.flown.clone().unwrap().plan;
+        // Suddenly 3 km away: the target is out of reach.
+        let astray = falling(&vehicle, 3000.0, 10.0);
+        let mut now = planning.next_due;
+        for failed in 1..=FAILED_IN_A_ROW_MAX {
+            planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+            assert_eq!(planning.failed_in_a_row, failed);
+            assert_eq!(planning.flown.as_ref().unwrap().plan, first);
+            now = planning.next_due;
+        }
+        planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+        assert_eq!((planning.terminal, planning.failed_in_a_row), (Terminal::Anywhere, 0));
+        assert!(matches!(planning.aim(task), Aim::Target(site_w) if site_w.x > 2000.0));
+    }
 }

@@ -3,14 +3,17 @@
 mod scvx_scenarios;
 
 use claims::{Bound, Claim};
-use guidance_fmu::scvx::{FinalTilt, PathLimits, Plan, Problem, Settings, Structure, plan};
+use guidance_fmu::scvx::{
+    FinalTilt, PathLimits, Plan, Problem, Propulsion, Settings, Structure, solve,
+};
 use nalgebra::Vector3;
-use scvx_scenarios::{descent, flown_descent};
+use scvx_scenarios::random::Lcg;
+use scvx_scenarios::{descent, flown_descent, hop};
 
 /// Optima by Pontryagin shooting, kg, found without the planner. The tolerance covers held
 /// accelerations: a burn at constant u gives up the mass flow of one interval, below 0.1 %.
 fn assert_optimum(id: &str, flight: &str, problem: &Problem, optimum_kg: f64) {
-    let found = plan(problem, &Settings::default()).expect("feasible");
+    let found = solve(problem, &Settings::default()).expect("feasible");
     let excess = found.propellant_kg() / optimum_kg - 1.0;
     Claim {
         id,
@@ -34,9 +37,7 @@ fn descent_matches_the_pontryagin_optimum() {
 
 #[test]
 fn hop_matches_the_pontryagin_optimum() {
-    let r0_w = Vector3::new(200.0, 0.0, 5.0);
-    let hop = Problem { r0_w, v0_w: Vector3::zeros(), ..descent() };
-    assert_optimum("propellant-hop", "hop", &hop, 4.68829);
+    assert_optimum("propellant-hop", "hop", &hop(), 4.68829);
 }
 
 /// docs/validation/pontryagin.csv: random states about the descent and their optima, made by
@@ -53,7 +54,7 @@ fn random_descents_match_their_pontryagin_optima() {
         let (r0_w, v0_w) =
             (Vector3::from_column_slice(&row[..3]), Vector3::from_column_slice(&row[3..6]));
         let problem = Problem { r0_w, v0_w, ..descent() };
-        plan(&problem, &Settings::default()).expect("feasible").propellant_kg() / row[6] - 1.0
+        solve(&problem, &Settings::default()).expect("feasible").propellant_kg() / row[6] - 1.0
     };
     let excesses: Vec<f64> = rows.map(excess).collect();
     assert_eq!(excesses.len(), 20);
@@ -74,24 +75,6 @@ fn random_descents_match_their_pontryagin_optima() {
     assert!(low > -1e-5, "better than optimal by {low:.1e}");
 }
 
-/// A linear congruential generator (Knuth's MMIX constants) and a 12-fold sum for a normal deviate.
-struct Lcg(u64);
-
-impl Lcg {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-
-    fn normal_w(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.normal())
-    }
-}
-
 /// Every dispersed state (60 m, 6 m/s per axis) is plannable: the required share is all of them.
 fn assert_all_found(id: &str, flight: &str, nominal: &Problem) {
     let mut random = Lcg(1);
@@ -100,7 +83,7 @@ fn assert_all_found(id: &str, flight: &str, nominal: &Problem) {
         let mut problem = nominal.clone();
         problem.r0_w += random.normal_w() * 60.0;
         problem.v0_w += random.normal_w() * 6.0;
-        match plan(&problem, &Settings::default()) {
+        match solve(&problem, &Settings::default()) {
             Ok(found) => assert_sound(&problem, &found),
             Err(error) => refused.push(format!("{run}: {error}")),
         }
@@ -156,8 +139,8 @@ fn dispersed_flown_descents_are_all_found() {
 fn final_tilt_costs_fuel_and_holds() {
     let end = FinalTilt { tilt_max_rad: 5_f64.to_radians(), intervals: 2 };
     let problem = Problem { final_tilt: Some(end), ..flown_descent() };
-    let free = plan(&flown_descent(), &Settings::default()).expect("feasible");
-    let upright = plan(&problem, &Settings::default()).expect("feasible");
+    let free = solve(&flown_descent(), &Settings::default()).expect("feasible");
+    let upright = solve(&problem, &Settings::default()).expect("feasible");
     assert!(upright.propellant_kg() > free.propellant_kg());
     let last = upright.phases.last().expect("phases");
     let from_s = last.end_s() - 2.0 * last.duration_s / last.intervals as f64;
@@ -177,9 +160,9 @@ fn glide_slope_binds_and_holds() {
         let excess = |r_w: &Vector3<f64>| r_w.xy().norm() - r_w.z * angle_rad.tan();
         found.nodes.iter().map(|node| excess(&node.r_w)).fold(f64::NEG_INFINITY, f64::max)
     };
-    let unlimited = plan(&free, &Settings::default()).expect("feasible");
+    let unlimited = solve(&free, &Settings::default()).expect("feasible");
     assert!(outside_m(&unlimited) > 0.5, "{}", outside_m(&unlimited));
-    let limited = plan(&Problem { path, ..free }, &Settings::default()).expect("feasible");
+    let limited = solve(&Problem { path, ..free }, &Settings::default()).expect("feasible");
     assert!(outside_m(&limited) < 1e-2, "{}", outside_m(&limited));
     assert!(limited.propellant_kg() > unlimited.propellant_kg());
 }
@@ -188,17 +171,17 @@ fn glide_slope_binds_and_holds() {
 fn strictly_on_at_sixty_degrees_stays_lossless() {
     // Without the linearised floor this plan thrusts at 411 N where its bound says 800 N. 9.44 kg is
     // a 30-interval reference; 0.5 % covers the coarser grid.
-    let problem = Problem { tilt_max_rad: 60_f64.to_radians(), ..descent() };
-    let structure = Some(Structure::On);
-    let settings = Settings { structure, single_burn_intervals: 25, ..Settings::default() };
-    let found = plan(&problem, &settings).expect("feasible");
+    let tilt_max_rad = 60_f64.to_radians();
+    let problem = Problem { tilt_max_rad, propulsion: Propulsion::AlwaysOn, ..descent() };
+    let settings = Settings { single_burn_intervals: 25, ..Settings::default() };
+    let found = solve(&problem, &settings).expect("feasible");
     assert_sound(&problem, &found);
     assert!((found.propellant_kg() / 9.44 - 1.0).abs() < 5e-3, "{} kg", found.propellant_kg());
 }
 
 #[test]
 fn samples_follow_the_phases() {
-    let found = plan(&descent(), &Settings::default()).expect("feasible");
+    let found = solve(&descent(), &Settings::default()).expect("feasible");
     assert_eq!(found.structure, Structure::OnOffOn);
     let coast = found.phases[1];
     let t_s = coast.start_s + 1.0;
@@ -216,6 +199,6 @@ fn samples_follow_the_phases() {
 
 #[test]
 fn plans_repeat_bit_for_bit() {
-    let once = plan(&flown_descent(), &Settings::default());
-    assert_eq!(once, plan(&flown_descent(), &Settings::default()));
+    let once = solve(&flown_descent(), &Settings::default());
+    assert_eq!(once, solve(&flown_descent(), &Settings::default()));
 }

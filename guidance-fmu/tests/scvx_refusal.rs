@@ -2,19 +2,21 @@
 
 mod scvx_scenarios;
 
-use guidance_fmu::scvx::{PathLimits, PlanError, Problem, Settings, Structure, plan, replan};
+use guidance_fmu::scvx::{
+    EngineState, PathLimits, PlanError, Problem, Propulsion, Settings, Terminal, replan, solve,
+};
 use nalgebra::Vector3;
 use scvx_scenarios::{descent, flown_descent};
 
 fn refusal(problem: &Problem, settings: &Settings) -> PlanError {
-    plan(problem, settings).expect_err("no plan exists")
+    solve(problem, settings).expect_err("no plan exists")
 }
 
 #[test]
 fn strictly_on_within_the_tilt_limit() {
     // 800 N · cos 29° / 259.5 kg − 1.625 m/s² = 1.071 m/s² upwards, always.
-    let settings = Settings { structure: Some(Structure::On), ..Settings::default() };
-    match refusal(&descent(), &settings) {
+    let problem = Problem { propulsion: Propulsion::AlwaysOn, ..descent() };
+    match refusal(&problem, &Settings::default()) {
         PlanError::Tilt { net_up_m_s2, .. } => assert!((net_up_m_s2 - 1.071).abs() < 1e-3),
         other => panic!("{other}"),
     }
@@ -58,7 +60,10 @@ fn spent_budget() {
 #[test]
 fn inputs_are_named() {
     let nan = f64::NAN;
-    let cases: [(&str, Problem); 8] = [
+    let glide = PathLimits { glide_slope_rad: Some(1.0), altitude_min_m: None };
+    let hasty = Propulsion::OnOff { on_min_s: 0.0, off_min_s: 0.2, restarts_max: 1 };
+    let engine = EngineState { for_s: nan, ..EngineState::default() };
+    let cases: [(&str, Problem); 12] = [
         ("r0_w", Problem { r0_w: Vector3::new(0.0, nan, 0.0), ..descent() }),
         ("v0_w", Problem { v0_w: Vector3::new(f64::INFINITY, 0.0, 0.0), ..descent() }),
         ("mass_kg", Problem { mass_kg: 100.0, ..descent() }),
@@ -66,6 +71,13 @@ fn inputs_are_named() {
         ("isp_s", Problem { isp_s: 0.0, ..descent() }),
         ("thrust_max_n", Problem { thrust_max_n: nan, ..descent() }),
         ("thrust_min_n", Problem { thrust_min_n: 6000.0, ..descent() }),
+        ("thrust_rate_max_n_s", Problem { thrust_rate_max_n_s: Some(nan), ..descent() }),
+        ("propulsion.on_min_s", Problem { propulsion: hasty, ..descent() }),
+        ("engine.for_s", Problem { engine, ..descent() }),
+        (
+            "path.glide_slope_rad",
+            Problem { path: glide, terminal: Terminal::Anywhere, ..descent() },
+        ),
         ("tilt_max_rad", Problem { tilt_max_rad: 29.0, ..descent() }),
     ];
     for (name, problem) in cases {
@@ -74,7 +86,7 @@ fn inputs_are_named() {
             other => panic!("{name}: {other}"),
         }
     }
-    let last = plan(&descent(), &Settings::default()).expect("feasible");
+    let last = solve(&descent(), &Settings::default()).expect("feasible");
     let error = replan(&descent(), &Settings::default(), &last, nan).expect_err("not a time");
     assert!(matches!(error, PlanError::Input { field: "elapsed_s", .. }), "{error}");
 }

@@ -2,7 +2,7 @@
 
 mod scvx_scenarios;
 
-use guidance_fmu::scvx::{Plan, Problem, Reserve, Settings, plan, replan};
+use guidance_fmu::scvx::{Plan, Problem, Reserve, Settings, replan, solve};
 use scvx_scenarios::{descent, flown_descent};
 
 const PERIOD_S: f64 = 0.5;
@@ -21,7 +21,7 @@ struct Chain {
 fn fly(mut problem: Problem, bias: f64) -> Chain {
     let settings = Settings::default();
     let start_kg = problem.mass_kg;
-    let mut current = plan(&problem, &settings).expect("feasible");
+    let mut current = solve(&problem, &settings).expect("feasible");
     let totals_kg = vec![current.propellant_kg()];
     let mut chain = Chain { replans: 0, cold: 0, outer_iterations: 0, totals_kg };
     while current.time_to_go(PERIOD_S) > FREEZE_S {
@@ -98,9 +98,9 @@ fn weak_engine_needs_the_reserve() {
 #[test]
 fn reserve_is_left_alone_when_nominal_limits_suffice() {
     let reserve = Some(Reserve { thrust_max_n: 3000.0, tilt_max_rad: 33_f64.to_radians() });
-    let nominal = plan(&flown_descent(), &Settings::default()).expect("feasible");
+    let nominal = solve(&flown_descent(), &Settings::default()).expect("feasible");
     let problem = Problem { reserve, ..flown_descent() };
-    let reserved = plan(&problem, &Settings::default()).expect("feasible");
+    let reserved = solve(&problem, &Settings::default()).expect("feasible");
     // 1e-3 m/s in 50 m/s is the solver's 1e-8 against bounds frozen at the reference mass.
     assert!(reserved.report.reserve_m_s < 1e-3, "{} m/s", reserved.report.reserve_m_s);
     let change = reserved.propellant_kg() / nominal.propellant_kg() - 1.0;
@@ -111,7 +111,7 @@ fn reserve_is_left_alone_when_nominal_limits_suffice() {
 #[test]
 fn a_useless_plan_falls_back_to_a_cold_start() {
     let settings = Settings::default();
-    let last = plan(&descent(), &settings).expect("feasible");
+    let last = solve(&descent(), &settings).expect("feasible");
     let found = replan(&descent(), &settings, &last, last.duration_s() + 1.0).expect("feasible");
     assert!(!found.report.warm);
     assert_eq!(found.nodes, last.nodes);

@@ -99,16 +99,16 @@ fn dispersed_starts_all_land_within_the_limits_of_the_default_landing() {
 #[test]
 fn with_too_little_propellant_for_the_target_it_lands_short_of_it() {
     let flown = fly(scenario("short", [300.0, 100.0, 500.0], [-15.0, -5.0, -25.0], 5.0));
-    assert!(flown.phases.contains(&f64::from(Phase::FallBack as u8)), "{:?}", flown.phases);
+    // A plan to land anywhere, not the law without a plan.
+    assert!(!flown.phases.contains(&f64::from(Phase::FallBack as u8)), "{:?}", flown.phases);
     assert_eq!(flown.outcome(), Outcome::Landed);
     assert!(flown.value("position_error_m") > 50.0);
     assert!(!flown.forbidden_thrust);
 }
 
 #[test]
-fn too_low_and_fast_for_any_plan_it_brakes_and_lands_where_it_is() {
+fn low_and_fast_over_the_target_it_climbs_and_lands() {
     let flown = fly(scenario("low", [0.0, 0.0, 30.0], [6.0, 0.0, -10.0], 85.5));
-    assert!(flown.phases.contains(&f64::from(Phase::FallBack as u8)), "{:?}", flown.phases);
     assert_eq!(flown.outcome(), Outcome::Landed);
     assert!(flown.value("contact_speed_down_m_s") <= 2.0);
 }

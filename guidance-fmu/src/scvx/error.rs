@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::structure::Structure;
+
 /// Reason for returning no plan. Every variant names the quantity, its value and its limit.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlanError {
@@ -23,6 +25,13 @@ pub enum PlanError {
          acceleration is at least {net_up_m_s2:.3} m/s², limit 0; miss {miss_m:.3} m"
     )]
     Tilt { tilt_max_rad: f64, net_up_m_s2: f64, miss_m: f64 },
+    /// The order of burns and coasts that the flight needs breaks a limit of the propulsion mode,
+    /// and the orders that are left, if any, fail too.
+    #[error(
+        "{wanted:?} breaks `{limit}`, and {}",
+        instead.as_ref().map_or("no other order is allowed".into(), |e| format!("instead: {e}"))
+    )]
+    Structure { wanted: Structure, limit: &'static str, instead: Option<Box<PlanError>> },
     /// The thrust limits leave the target out of reach.
     #[error("infeasible: target missed by {miss_m:.4} m and {miss_m_s:.4} m/s, limit 0.01 each")]
     Target { miss_m: f64, miss_m_s: f64 },
@@ -32,10 +41,29 @@ pub enum PlanError {
     /// The planned thrust leaves its bounds.
     #[error("thrust outside its bounds by {violation_n:.3} N, limit {limit_n:.3} N")]
     Thrust { violation_n: f64, limit_n: f64 },
+    /// The planned thrust changes faster than its limit.
+    #[error("thrust changes by {rate_n_s:.1} N/s within a burn, limit {limit_n_s:.1} N/s")]
+    ThrustRate { rate_n_s: f64, limit_n_s: f64 },
     /// The outer loop did not converge within its iterations.
     #[error("not converged: iteration budget spent after {solves} conic solves of the call")]
     IterationBudget { solves: u32 },
     /// The conic solver stopped without a solution.
     #[error("conic solver: {status}")]
     Solver { status: String },
+}
+
+impl PlanError {
+    /// Whether this says that no plan exists, not that none was found.
+    pub fn is_infeasible(&self) -> bool {
+        match self {
+            Self::Structure { instead: Some(error), .. } => error.is_infeasible(),
+            Self::Fuel { .. }
+            | Self::Altitude { .. }
+            | Self::GlideSlope { .. }
+            | Self::Tilt { .. }
+            | Self::Structure { .. }
+            | Self::Target { .. } => true,
+            _ => false,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Minimum-fuel powered descent by successive convexification: a library, no clock, no threads.
 //!
-//! [`plan`] starts from nothing, [`replan`] from the remainder of the last plan. Equation numbers
+//! [`solve`] starts from nothing, [`replan`] from the remainder of the last plan. Equation numbers
 //! refer to the README of this package.
 
 mod conic;
@@ -9,6 +9,8 @@ mod outer_loop;
 mod plan;
 mod planner;
 mod problem;
+mod propulsion;
+mod residuals;
 mod start;
 mod structure;
 mod subproblem;
@@ -19,8 +21,10 @@ pub(crate) use conic::Affine;
 pub use conic::{ConicSolver, Program, Solution};
 pub use error::PlanError;
 pub use plan::{Phase, Plan, Report, Sample};
-pub use planner::{plan, replan, subproblem};
-pub use problem::{FinalTilt, PathLimits, Problem, Reserve, Settings};
+pub use planner::{replan, solve, subproblem};
+pub use problem::{FinalTilt, PathLimits, Problem, Reserve, Settings, Terminal};
+pub use propulsion::{EngineState, Propulsion};
+pub use residuals::LastStep;
 pub use structure::Structure;
 pub use trajectory::Node;
-pub use verify::{LOSSLESS_GAP_MAX, MISS_MAX, THRUST_EXCURSION_MAX};
+pub use verify::{LOSSLESS_GAP_MAX, MISS_MAX, THRUST_EXCURSION_MAX, THRUST_RATE_EXCESS_MAX};

@@ -4,6 +4,7 @@
 use super::conic::{ConicSolver, Program};
 use super::error::PlanError;
 use super::problem::{Problem, Settings};
+use super::residuals::LastStep;
 use super::structure::Grid;
 use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
 use super::trajectory::{Iterate, Trajectory};
@@ -66,6 +67,7 @@ pub(super) enum End {
 /// Best trajectory of a loop.
 pub(super) struct Outcome {
     pub trajectory: Trajectory,
+    pub last_step: LastStep,
     pub end: End,
 }
 
@@ -84,6 +86,7 @@ pub(super) fn iterate(
     let mut reference_merit = f64::INFINITY;
     let mut local = first_local();
     let mut solver: Option<ConicSolver> = None;
+    let mut last_step = LastStep::default();
 
     for _ in 0..settings.outer_max {
         if budget.spent() {
@@ -99,6 +102,7 @@ pub(super) fn iterate(
         budget.solver_iterations += solution.iterations;
         let candidate = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
 
+        let step = LastStep::new(&reference, &candidate, subproblem.terminal_slack(&solution.x));
         let violated = candidate.path_violations(problem, PATH_DEFECT_M);
         let unwatched = violated.iter().filter(|(node, _)| !local.path_nodes.contains(node));
         let added: Vec<usize> = unwatched.map(|&(node, _)| node).collect();
@@ -109,10 +113,10 @@ pub(super) fn iterate(
             && candidate.miss_v_w.amax() <= DEFECT
             && !lossy
             && candidate.thrust_violation_n <= THRUST_DEFECT * problem.thrust_max_n;
-        let fuel_change = (candidate.delta_v_m_s / reference.delta_v_m_s - 1.0).abs();
+        let fuel_change = (candidate.cost_m_s / reference.cost_m_s - 1.0).abs();
         let fuel_flat = fuel_change <= FUEL_CHANGE;
         if feasible && fuel_flat {
-            return Ok(Outcome { trajectory: candidate, end: End::Converged });
+            return Ok(Outcome { trajectory: candidate, last_step: step, end: End::Converged });
         }
 
         let candidate_merit = merit(problem, &scale, &candidate);
@@ -123,9 +127,9 @@ pub(super) fn iterate(
         if candidate_merit < reference_merit {
             let stalled = reference_merit - candidate_merit <= STALL * candidate_merit;
             local.trust = (2.0 * local.trust).min(TRUST_CAP);
-            (reference, reference_merit) = (candidate, candidate_merit);
+            (reference, reference_merit, last_step) = (candidate, candidate_merit, step);
             if stalled && !more_rows {
-                return Ok(Outcome { trajectory: reference, end: End::Stalled });
+                return Ok(Outcome { trajectory: reference, last_step, end: End::Stalled });
             }
         } else {
             local.trust *= TRUST_CUT;
@@ -140,7 +144,7 @@ pub(super) fn iterate(
             solver = None;
         }
     }
-    Ok(Outcome { trajectory: reference, end: End::OutOfIterations })
+    Ok(Outcome { trajectory: reference, last_step, end: End::OutOfIterations })
 }
 
 /// The program of the first iteration from `start`.
@@ -162,7 +166,7 @@ fn first_local() -> Local {
 fn merit(problem: &Problem, scale: &Scale, trajectory: &Trajectory) -> f64 {
     let path_m: f64 = trajectory.path_violations(problem, 0.0).iter().map(|(_, m)| m).sum();
     let thrust = trajectory.thrust_violation_n.max(0.0) / problem.thrust_max_n;
-    let priced_m_s = trajectory.delta_v_m_s + RESERVE_WEIGHT * trajectory.reserve_m_s;
+    let priced_m_s = trajectory.cost_m_s + RESERVE_WEIGHT * trajectory.reserve_m_s;
     priced_m_s / scale.velocity_m_s
         + SLACK_WEIGHT
             * (trajectory.miss_v_w.lp_norm(1) / scale.velocity_m_s

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::problem::Problem;
+use super::propulsion::EngineState;
+use super::residuals::LastStep;
 use super::structure::{Grid, PhaseGrid, Structure};
 use super::trajectory::{Node, Trajectory};
 
@@ -36,14 +38,27 @@ pub struct Report {
     pub solver_iterations: u32,
     /// Whether the last plan was the starting point of the accepted attempt.
     pub warm: bool,
-    /// Largest (σ − ‖u‖)/σ.
+    /// Lossless lower bound: largest (σ − ‖u‖)/σ (G.10).
     pub lossless_gap: f64,
+    /// Thrust-mass coupling and free final time: what the last step's linearisation missed.
+    pub last_step: LastStep,
+    /// Thrust-mass coupling: largest excursion of the thrust from its bounds after the exact
+    /// roll-out, N; zero or less inside.
+    pub thrust_violation_n: f64,
+    /// Mass depletion: end mass less the mass without usable propellant, kg.
+    pub propellant_left_kg: f64,
+    /// Mass depletion: end mass of the plan against that of the re-propagation, kg.
+    pub mass_error_kg: f64,
+    /// Dead zone: largest excursion of a burn's thrust below the floor, N (G.40).
+    pub dead_zone_n: f64,
     /// Target position miss of the independent re-propagation, m.
     pub miss_m: f64,
     /// Target velocity miss of the independent re-propagation, m/s.
     pub miss_m_s: f64,
-    /// Largest excursion of the thrust from its bounds over the plan, N; zero or less inside.
-    pub thrust_violation_n: f64,
+    /// End velocity less target velocity, m/s: the impact where that is minimised.
+    pub impact_m_s: f64,
+    /// Largest change of the thrust vector between neighbouring intervals of a burn, N/s (G.42).
+    pub thrust_rate_n_s: f64,
     /// Impulse the plan takes from the reserve limits, m/s; zero for a nominal plan.
     pub reserve_m_s: f64,
 }
@@ -64,8 +79,8 @@ pub struct Plan {
     pub gravity_m_s2: f64,
     /// Mass flow per newton the plan was made with, s/m.
     pub mass_flow_s_m: f64,
-    /// How long the first phase had lasted when the plan was made, s.
-    pub first_phase_age_s: f64,
+    /// What the engine had done when the plan starts.
+    pub engine: EngineState,
     /// How the plan was found and how well it holds.
     pub report: Report,
 }
@@ -110,7 +125,7 @@ impl Plan {
             nodes: trajectory.nodes,
             gravity_m_s2: problem.gravity_m_s2,
             mass_flow_s_m: problem.mass_flow_s_m(),
-            first_phase_age_s: 0.0,
+            engine: problem.engine,
             report: Report::default(),
         }
     }
@@ -172,11 +187,12 @@ impl Plan {
         self.impulse_w(t_s - window_s, t_s + window_s).try_normalize(1e-9)
     }
 
-    /// How long the phase at `t_s` has lasted, s.
-    pub(super) fn phase_age_s(&self, t_s: f64) -> f64 {
-        let phase = self.phase(self.interval(t_s));
-        let before_s = if phase == 0 { self.first_phase_age_s } else { 0.0 };
-        before_s + t_s - self.phases[phase].start_s
+    /// What the engine has done at `t_s` since the start of the plan.
+    pub fn engine_at(&self, t_s: f64) -> EngineState {
+        let begun = self.phases.iter().filter(|phase| phase.start_s <= t_s);
+        begun.fold(self.engine, |engine, phase| {
+            engine.after(phase.powered, t_s.min(phase.end_s()) - phase.start_s)
+        })
     }
 
     /// ∫ T/m dt between two times, m/s.

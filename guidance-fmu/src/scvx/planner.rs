@@ -4,22 +4,66 @@ use super::conic::Program;
 use super::error::PlanError;
 use super::outer_loop::{self, Budget, End, Outcome};
 use super::plan::{Plan, Report};
-use super::problem::{Problem, Settings, within};
+use super::problem::{Problem, Settings, Terminal, within};
+use super::propulsion::Propulsion;
 use super::start;
 use super::structure::{Grid, Structure};
-use super::trajectory::Iterate;
+use super::trajectory::{Iterate, Trajectory};
 use super::verify;
 
 /// Plans from nothing: a relaxed solve gives the switching structure, a refined one the plan.
-pub fn plan(problem: &Problem, settings: &Settings) -> Result<Plan, PlanError> {
+///
+/// # Errors
+/// [`PlanError`], with the reason; [`PlanError::is_infeasible`] tells "there is none" from "none
+/// was found".
+///
+/// ```
+/// use guidance_fmu::scvx::{PathLimits, Problem, Settings, Terminal, solve};
+/// use nalgebra::Vector3;
+///
+/// let descent = Problem {
+///     r0_w: Vector3::new(300.0, 100.0, 500.0),
+///     v0_w: Vector3::new(-15.0, -5.0, -25.0),
+///     r_f_w: Vector3::zeros(),
+///     v_f_w: Vector3::zeros(),
+///     terminal: Terminal::Point,
+///     mass_kg: 259.5,
+///     dry_mass_kg: 174.0,
+///     gravity_m_s2: 1.625,
+///     isp_s: 225.0,
+///     thrust_min_n: 800.0,
+///     thrust_max_n: 5200.0,
+///     thrust_rate_max_n_s: None,
+///     propulsion: Default::default(),
+///     engine: Default::default(),
+///     tilt_max_rad: 29_f64.to_radians(),
+///     final_tilt: None,
+///     reserve: None,
+///     path: PathLimits::default(),
+/// };
+/// let plan = solve(&descent, &Settings::default())?;
+/// assert!((plan.propellant_kg() - 6.749).abs() < 0.007);
+/// # Ok::<(), guidance_fmu::scvx::PlanError>(())
+/// ```
+pub fn solve(problem: &Problem, settings: &Settings) -> Result<Plan, PlanError> {
     problem.validate()?;
     settings.validate()?;
     verify::initial_path(problem)?;
+    if problem.terminal == Terminal::SoftestImpact {
+        // A landing is the softest impact there is, and easier to find as such.
+        let landing = Problem { terminal: Terminal::Anywhere, ..problem.clone() };
+        if let Ok(plan) = cold(&landing, settings, &mut Budget::new(settings)) {
+            return Ok(plan);
+        }
+    }
     cold(problem, settings, &mut Budget::new(settings))
 }
 
 /// Plans from the part of `last` that is left after `elapsed_s`, in its switching structure, and
-/// from nothing when that fails.
+/// from nothing when that fails. Until `last` ends, the engine's past is that of `last`.
+///
+/// # Errors
+/// As [`solve`].
 pub fn replan(
     problem: &Problem,
     settings: &Settings,
@@ -30,10 +74,10 @@ pub fn replan(
     settings.validate()?;
     within("elapsed_s", elapsed_s, 0.0, f64::MAX, "[0, ∞) s")?;
     verify::initial_path(problem)?;
+    let problem = &continued(problem, last, elapsed_s);
     let mut budget = Budget::new(settings);
-    let warm = start::from_plan(last, elapsed_s, settings).and_then(|(grid, start)| {
+    let warm = start::from_plan(problem, settings, last, elapsed_s).and_then(|(grid, start)| {
         let mut plan = attempt(problem, settings, &grid, start, &mut budget).ok()?;
-        plan.first_phase_age_s = last.phase_age_s(elapsed_s);
         plan.report.warm = true;
         Some(plan)
     });
@@ -48,28 +92,71 @@ pub fn subproblem(
     last: &Plan,
     elapsed_s: f64,
 ) -> Option<Program> {
-    let (grid, start) = start::from_plan(last, elapsed_s, settings)?;
+    let problem = &continued(problem, last, elapsed_s);
+    let (grid, start) = start::from_plan(problem, settings, last, elapsed_s)?;
     Some(outer_loop::first_program(problem, &grid, start))
 }
 
+/// `problem` with the engine as `last` leaves it.
+fn continued(problem: &Problem, last: &Plan, elapsed_s: f64) -> Problem {
+    let flown = elapsed_s <= last.duration_s();
+    let engine = if flown { last.engine_at(elapsed_s) } else { problem.engine };
+    Problem { engine, ..problem.clone() }
+}
+
 fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<Plan, PlanError> {
-    let relaxed_problem = Problem { thrust_min_n: 0.0, final_tilt: None, ..problem.clone() };
+    let relaxed_problem = Problem {
+        thrust_min_n: 0.0,
+        final_tilt: None,
+        thrust_rate_max_n_s: None,
+        propulsion: Propulsion::AlwaysOn,
+        ..problem.clone()
+    };
     let relaxed_settings =
         Settings { single_burn_intervals: settings.relaxed_intervals, ..settings.clone() };
-    let grid = Grid::new(Structure::On, &relaxed_settings);
-    let guess = start::minimum_energy(problem, &grid);
-    let relaxed =
-        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget)?.trajectory;
-    let mut refine = |structure| {
-        let (grid, start) = start::from_relaxed(problem, &relaxed, structure, settings);
-        attempt(problem, settings, &grid, start, budget)
+    let grid = Grid::new(Structure::On, &relaxed_problem, &relaxed_settings);
+    let mut relax = |guess| {
+        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget)
+            .map(|outcome| outcome.trajectory)
     };
-    refine(settings.structure).or_else(|error| {
-        // The relaxed switching times can hide a burn shorter than its intervals.
-        let others = [Structure::OnOffOn, Structure::OffOn].map(Some);
-        let mut others = others.into_iter().filter(|_| settings.structure.is_none());
-        others.find_map(|structure| refine(structure).ok()).ok_or(error)
-    })
+    let mut relaxed = relax(start::minimum_energy(problem, &grid))?;
+    if shortfall(problem, &relaxed) > verify::MISS_MAX {
+        // Short and long flights are separate valleys; the linearisation leads from neither to the other.
+        let climb = relax(start::climb(problem, &grid));
+        relaxed = match climb {
+            Ok(climb) if shortfall(problem, &climb) < shortfall(problem, &relaxed) => climb,
+            _ => relaxed,
+        };
+    }
+    // The relaxed switching times can hide a burn shorter than its intervals, and limits can forbid
+    // the structure they show.
+    let wanted = start::structure(problem, &relaxed);
+    let mut refusal = None;
+    for structure in Structure::allowed(problem, wanted)? {
+        let (grid, start) = start::from_relaxed(problem, &relaxed, structure, settings);
+        // Free fall is there when all else has failed, and takes a solve or two.
+        let last_resort = &mut Budget::new(settings);
+        let budget = if structure == Structure::Off { last_resort } else { &mut *budget };
+        match attempt(problem, settings, &grid, start, budget) {
+            Ok(plan) => return Ok(plan),
+            Err(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    let instead = refusal.unwrap_or_else(|| budget.exhausted());
+    match wanted.broken_limit(problem) {
+        Some(limit) if problem.propulsion != Propulsion::AlwaysOn => {
+            Err(PlanError::Structure { wanted, limit, instead: Some(Box::new(instead)) })
+        }
+        _ => Err(instead),
+    }
+}
+
+/// How much a trajectory leaves to be wished for at the target and on the path, m and m/s alike.
+fn shortfall(problem: &Problem, trajectory: &Trajectory) -> f64 {
+    let outside_m: f64 =
+        trajectory.path_violations(problem, verify::PATH_EXCESS_MAX_M).iter().map(|(_, m)| m).sum();
+    let impact_m_s = trajectory.nodes.last().map_or(0.0, |end| problem.impact_m_s(&end.v_w));
+    trajectory.miss_r_w.norm() + trajectory.miss_v_w.norm() + outside_m + impact_m_s
 }
 
 /// One loop on one grid, its report and its verdict.
@@ -83,19 +170,21 @@ fn attempt(
     if budget.spent() {
         return Err(budget.exhausted());
     }
-    let Outcome { trajectory, end } = outer_loop::iterate(problem, grid, start, settings, budget)?;
+    let Outcome { trajectory, last_step, end } =
+        outer_loop::iterate(problem, grid, start, settings, budget)?;
     let report = Report {
         outer_iterations: budget.outer_iterations,
         solver_iterations: budget.solver_iterations,
         lossless_gap: trajectory.lossless_gap,
+        last_step,
         thrust_violation_n: trajectory.thrust_violation_n,
         reserve_m_s: trajectory.reserve_m_s,
         ..Report::default()
     };
     verify::path(problem, &trajectory.nodes)?;
     let mut plan = Plan::new(problem, grid, trajectory);
-    let (miss_m, miss_m_s) = verify::repropagate(problem, &plan);
-    plan.report = Report { miss_m, miss_m_s, ..report };
+    plan.report = report;
+    verify::measure(problem, &mut plan);
     match verify::accept(problem, &plan) {
         Err(PlanError::Target { .. }) if end == End::OutOfIterations => Err(budget.exhausted()),
         verdict => verdict.map(|()| plan),

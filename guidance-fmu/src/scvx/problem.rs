@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::error::PlanError;
-use super::structure::Structure;
+use super::propulsion::{EngineState, Propulsion};
 
 /// A minimum-fuel powered descent (G.1-G.7) in a site-fixed frame with z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ pub struct Problem {
     pub r_f_w: Vector3<f64>,
     /// Target velocity, m/s.
     pub v_f_w: Vector3<f64>,
+    /// How much of the target is asked for.
+    pub terminal: Terminal,
     /// Initial mass, kg.
     pub mass_kg: f64,
     /// Mass without usable propellant, kg.
@@ -30,6 +32,12 @@ pub struct Problem {
     pub thrust_min_n: f64,
     /// Thrust ceiling, N.
     pub thrust_max_n: f64,
+    /// Largest change of the thrust vector between neighbouring intervals of a burn, N/s.
+    pub thrust_rate_max_n_s: Option<f64>,
+    /// Whether and how often the engine may be switched.
+    pub propulsion: Propulsion,
+    /// What the engine has done before the start.
+    pub engine: EngineState,
     /// Largest angle of the thrust from the vertical, rad.
     pub tilt_max_rad: f64,
     /// Smaller tilt limit at the end of the last burn, so that the vehicle arrives upright.
@@ -38,6 +46,18 @@ pub struct Problem {
     pub reserve: Option<Reserve>,
     /// Limits on the path.
     pub path: PathLimits,
+}
+
+/// How much of the target a plan must meet: each is the fall-back of the one before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Terminal {
+    /// Position and velocity (G.1-G.18).
+    #[default]
+    Point,
+    /// Height and velocity; lands wherever that costs least propellant (G.43).
+    Anywhere,
+    /// Height only, at the speed nearest to the target velocity that the propellant allows (G.44).
+    SoftestImpact,
 }
 
 /// Limits beyond the nominal ones that keep a disturbed flight plannable (G.14).
@@ -81,6 +101,33 @@ impl Problem {
     /// Thrust that no plan exceeds, N.
     pub fn thrust_ceiling_n(&self) -> f64 {
         self.reserve.map_or(self.thrust_max_n, |reserve| reserve.thrust_max_n)
+    }
+
+    /// Errors of an end state in what the target asks for; zero in what it leaves free.
+    pub(super) fn miss(
+        &self,
+        r_w: &Vector3<f64>,
+        v_w: &Vector3<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (r_error_w, v_error_w) = (r_w - self.r_f_w, v_w - self.v_f_w);
+        match self.terminal {
+            Terminal::Point => (r_error_w, v_error_w),
+            Terminal::Anywhere => (Vector3::z() * r_error_w.z, v_error_w),
+            Terminal::SoftestImpact => (Vector3::z() * r_error_w.z, Vector3::zeros()),
+        }
+    }
+
+    /// Speed error that the softest impact minimises, m/s; zero where the velocity is met.
+    pub(super) fn impact_m_s(&self, v_w: &Vector3<f64>) -> f64 {
+        match self.terminal {
+            Terminal::SoftestImpact => (v_w - self.v_f_w).norm(),
+            Terminal::Point | Terminal::Anywhere => 0.0,
+        }
+    }
+
+    /// Velocity that the propellant on board can give, m/s.
+    pub(super) fn delta_v_max_m_s(&self) -> f64 {
+        (self.mass_kg / self.dry_mass_kg).ln() / self.mass_flow_s_m()
     }
 
     /// Nominal tilt limit in `interval` of `intervals`, rad.
@@ -129,7 +176,23 @@ impl Problem {
         if let Some(end) = self.final_tilt {
             within("final_tilt.tilt_max_rad", end.tilt_max_rad, 1e-3, right_angle, ANGLE)?;
         }
+        if let Some(rate_n_s) = self.thrust_rate_max_n_s {
+            within("thrust_rate_max_n_s", rate_n_s, 1e-3, 1e9, "[1e-3, 1e9] N/s")?;
+        }
+        if let Propulsion::OnOff { on_min_s, off_min_s, .. } = self.propulsion {
+            within("propulsion.on_min_s", on_min_s, 0.01, 100.0, "[0.01, 100] s")?;
+            within("propulsion.off_min_s", off_min_s, 0.01, 100.0, "[0.01, 100] s")?;
+        }
+        within("engine.for_s", self.engine.for_s, 0.0, f64::MAX, "[0, ∞) s")?;
         if let Some(angle_rad) = self.path.glide_slope_rad {
+            if self.terminal != Terminal::Point {
+                let allowed = "none: the cone stands on a target point";
+                return Err(PlanError::Input {
+                    field: "path.glide_slope_rad",
+                    value: angle_rad,
+                    allowed,
+                });
+            }
             within("path.glide_slope_rad", angle_rad, 1e-3, right_angle - 1e-3, ANGLE)?;
         }
         if let Some(z_m) = self.path.altitude_min_m {
@@ -157,8 +220,6 @@ pub(super) fn within(
 /// Discretisation, budgets and acceptance limits of the planner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Switching structure to impose; `None` reads it from a relaxed solve.
-    pub structure: Option<Structure>,
     /// Intervals of the relaxed solve.
     pub relaxed_intervals: usize,
     /// Intervals of a burn that a coast follows.
@@ -167,10 +228,6 @@ pub struct Settings {
     pub last_burn_intervals: usize,
     /// Intervals of a flight that is one burn.
     pub single_burn_intervals: usize,
-    /// Shortest burn, s.
-    pub burn_min_s: f64,
-    /// Shortest coast, s.
-    pub coast_min_s: f64,
     /// Outer iterations of one loop.
     pub outer_max: u32,
     /// Conic solves of one call, over all attempts.
@@ -182,15 +239,12 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            structure: None,
             relaxed_intervals: 25,
             first_burn_intervals: 6,
             last_burn_intervals: 8,
             single_burn_intervals: 12,
-            burn_min_s: 0.2,
-            coast_min_s: 0.2,
-            outer_max: 12,
-            solves_max: 36,
+            outer_max: 20,
+            solves_max: 60,
             solver_iterations_max: 60,
         }
     }
@@ -207,7 +261,6 @@ impl Settings {
         ] {
             within(field, intervals as f64, 1.0, 100.0, "[1, 100]")?;
         }
-        within("burn_min_s", self.burn_min_s, 0.01, 100.0, "[0.01, 100] s")?;
-        within("coast_min_s", self.coast_min_s, 0.01, 100.0, "[0.01, 100] s")
+        Ok(())
     }
 }

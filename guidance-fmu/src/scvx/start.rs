@@ -6,24 +6,22 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::plan::{Phase, Plan};
-use super::problem::{Problem, Settings};
+use super::problem::{Problem, Settings, Terminal};
+use super::propulsion::PHASE_REMAINDER_MIN_S;
 use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
 
 /// Mean thrust over the ceiling above which a relaxed interval counts as part of a burn.
 const RUNNING_SHARE: f64 = 0.1;
-/// A phase with less than this left is dropped by a replan, s.
-const PHASE_REMAINDER_MIN_S: f64 = 0.02;
+/// A burn of a relaxed solve shorter than this is none, s.
+const RELAXED_BURN_MIN_S: f64 = 0.1;
 
 /// Minimum-energy guess on a single burn (G.19), with the cheapest of a few flight times.
 pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
     /// Flight times tried, against the larger of the ballistic and the braking time.
     const TIME_FACTORS: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
-    let drop_m = (problem.r0_w.z - problem.r_f_w.z).max(0.0);
-    let [rise_m_s, g_m_s2] = [problem.v0_w.z, problem.gravity_m_s2];
-    let fall_s = (rise_m_s + (rise_m_s * rise_m_s + 2.0 * g_m_s2 * drop_m).sqrt()) / g_m_s2;
     let range_m = (problem.r0_w - problem.r_f_w).norm();
-    let unit_s = fall_s.max((2.0 * range_m / g_m_s2).sqrt()).max(1.0);
+    let unit_s = fall_s(problem).max((2.0 * range_m / problem.gravity_m_s2).sqrt()).max(1.0);
     let mut best: Option<(f64, Iterate)> = None;
     for factor in TIME_FACTORS {
         let guess = minimum_energy_at(problem, grid, factor * unit_s);
@@ -35,10 +33,44 @@ pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
     best.map_or_else(|| minimum_energy_at(problem, grid, unit_s), |(_, guess)| guess)
 }
 
+/// Time to the target's height without thrust, s.
+fn fall_s(problem: &Problem) -> f64 {
+    let drop_m = (problem.r0_w.z - problem.r_f_w.z).max(0.0);
+    let [rise_m_s, g_m_s2] = [problem.v0_w.z, problem.gravity_m_s2];
+    (rise_m_s + (rise_m_s * rise_m_s + 2.0 * g_m_s2 * drop_m).sqrt()) / g_m_s2
+}
+
+/// Minimum-energy guess on the shortest flight whose sideways impulse the tilt limit allows (G.41):
+/// long enough to climb while the sideways speed is turned round.
+pub(super) fn climb(problem: &Problem, grid: &Grid) -> Iterate {
+    /// Room for the impulse's distribution in time.
+    const SHARE: f64 = 0.9;
+    const GROWTH: f64 = 1.25;
+    const TRIES: i32 = 30;
+    let unit_s = (problem.v0_w - problem.v_f_w).norm() / problem.gravity_m_s2;
+    let per_upward = SHARE * problem.tilt_max_rad.tan();
+    let guesses =
+        (0..TRIES).map(|k| minimum_energy_at(problem, grid, 0.1 * unit_s * GROWTH.powi(k)));
+    let mut longest = None;
+    for guess in guesses {
+        let sideways_m_s: f64 = guess.w_w.iter().map(|w| w.xy().norm()).sum();
+        let upward_m_s: f64 = guess.w_w.iter().map(|w| w.z).sum();
+        longest = Some(guess);
+        if sideways_m_s <= per_upward * upward_m_s {
+            break;
+        }
+    }
+    longest.unwrap_or_else(|| minimum_energy(problem, grid))
+}
+
 /// Thrust acceleration linear in time that meets both end states at `t_f_s` (G.19).
 fn minimum_energy_at(problem: &Problem, grid: &Grid, t_f_s: f64) -> Iterate {
     let dv_w = problem.v_f_w - problem.v0_w;
-    let dr_w = problem.r_f_w - problem.r0_w - problem.v0_w * t_f_s;
+    let mut dr_w = problem.r_f_w - problem.r0_w - problem.v0_w * t_f_s;
+    if problem.terminal != Terminal::Point {
+        // Where the position is free, the constant acceleration of b = 0.
+        (dr_w.x, dr_w.y) = (0.5 * dv_w.x * t_f_s, 0.5 * dv_w.y * t_f_s);
+    }
     let a_w = dr_w * (6.0 / t_f_s.powi(2)) - dv_w * (2.0 / t_f_s);
     let b_w = dv_w * (6.0 / t_f_s.powi(2)) - dr_w * (12.0 / t_f_s.powi(3));
     let step_s = t_f_s / grid.len() as f64;
@@ -46,13 +78,17 @@ fn minimum_energy_at(problem: &Problem, grid: &Grid, t_f_s: f64) -> Iterate {
     Iterate::lossless(vec![step_s], (0..grid.len()).map(impulse).collect())
 }
 
-/// Reads the switching structure of a relaxed solve: each burn gives its impulse at the ceiling.
-pub(super) fn from_relaxed(
-    problem: &Problem,
-    relaxed: &Trajectory,
-    forced: Option<Structure>,
-    settings: &Settings,
-) -> (Grid, Iterate) {
+/// First and last burn of a relaxed solve.
+struct Burns {
+    /// Impulse, m/s, and length at the ceiling, s.
+    first: (Vector3<f64>, f64),
+    last: (Vector3<f64>, f64),
+    flight_s: f64,
+    /// Whether the first burn lasts for the whole flight.
+    whole: bool,
+}
+
+fn burns(problem: &Problem, relaxed: &Trajectory) -> Burns {
     let Iterate { step_s, w_w, .. } = &relaxed.iterate;
     let (n, flight_s) = (w_w.len(), step_s[0] * w_w.len() as f64);
     let running = |&j: &usize| {
@@ -66,24 +102,39 @@ pub(super) fn from_relaxed(
         let w_w: Vector3<f64> = w_w[range].iter().sum();
         (w_w, w_w.norm() * mass_kg / problem.thrust_max_n)
     };
-    let (first_w, first_s) = burn(0..first_on);
-    let (last_w, last_s) = burn(n - last_on..n);
-    let structure = forced.unwrap_or(if first_on == n {
-        Structure::On
-    } else if first_s < 0.5 * settings.burn_min_s {
-        Structure::OffOn
-    } else if last_s < 0.5 * settings.burn_min_s {
-        Structure::OnOff
-    } else {
-        Structure::OnOffOn
-    });
-    let grid = Grid::new(structure, settings);
-    let coast = (Vector3::zeros(), (flight_s - first_s - last_s).max(settings.coast_min_s));
+    let (first, last) = (burn(0..first_on), burn(n - last_on..n));
+    Burns { first, last, flight_s, whole: first_on == n }
+}
+
+/// The switching structure of a relaxed solve.
+pub(super) fn structure(problem: &Problem, relaxed: &Trajectory) -> Structure {
+    let Burns { first: (_, first_s), last: (_, last_s), whole, .. } = burns(problem, relaxed);
+    match (first_s < RELAXED_BURN_MIN_S, last_s < RELAXED_BURN_MIN_S) {
+        _ if whole => Structure::On,
+        (true, true) if problem.terminal == Terminal::SoftestImpact => Structure::Off,
+        (true, _) => Structure::OffOn,
+        (_, true) => Structure::OnOff,
+        _ => Structure::OnOffOn,
+    }
+}
+
+/// A start in `structure` from a relaxed solve: each burn gives its impulse at the ceiling.
+pub(super) fn from_relaxed(
+    problem: &Problem,
+    relaxed: &Trajectory,
+    structure: Structure,
+    settings: &Settings,
+) -> (Grid, Iterate) {
+    let Burns { first: (first_w, first_s), last: (last_w, last_s), flight_s, .. } =
+        burns(problem, relaxed);
+    let grid = Grid::new(structure, problem, settings);
+    let coast = (Vector3::zeros(), (flight_s - first_s - last_s).max(PHASE_REMAINDER_MIN_S));
     let phases: &[(Vector3<f64>, f64)] = match structure {
         Structure::OnOffOn => &[(first_w, first_s), coast, (last_w, last_s)],
         Structure::OffOn => &[coast, (first_w + last_w, first_s + last_s)],
         Structure::OnOff => &[(first_w + last_w, first_s + last_s), coast],
-        Structure::On => &[(w_w.iter().sum(), flight_s)],
+        Structure::On => &[(relaxed.iterate.w_w.iter().sum(), flight_s)],
+        Structure::Off => &[(Vector3::zeros(), fall_s(problem))],
     };
     let counts = || grid.phases.iter().map(|phase| phase.intervals as f64);
     let steps_s = phases.iter().zip(counts()).map(|((_, duration_s), n)| duration_s / n).collect();
@@ -92,22 +143,20 @@ pub(super) fn from_relaxed(
     (grid, Iterate::lossless(steps_s, w_w))
 }
 
-/// The part of `last` after `elapsed_s` on a fresh grid, with the phase in progress free to end
-/// at once when it has lasted long enough; `None` when nothing is left.
+/// The part of `last` after `elapsed_s` on a fresh grid; `None` when nothing is left that `problem`
+/// allows.
 pub(super) fn from_plan(
+    problem: &Problem,
+    settings: &Settings,
     last: &Plan,
     elapsed_s: f64,
-    settings: &Settings,
 ) -> Option<(Grid, Iterate)> {
     let phases: Vec<&Phase> =
         last.phases.iter().filter(|p| p.end_s() - elapsed_s > PHASE_REMAINDER_MIN_S).collect();
     let powered: Vec<bool> = phases.iter().map(|phase| phase.powered).collect();
-    let structure = Structure::of(&powered)?;
-    let mut grid = Grid::new(structure, settings);
-    let age_s = last.phase_age_s(elapsed_s);
-    let first = &mut grid.phases[0];
-    let count = first.intervals as f64;
-    first.step_min_s = (first.step_min_s - age_s / count).max(PHASE_REMAINDER_MIN_S / count);
+    let allowed = |structure: &Structure| structure.broken_limit(problem).is_none();
+    let structure = Structure::of(&powered).filter(allowed)?;
+    let grid = Grid::new(structure, problem, settings);
 
     let mut steps_s = Vec::new();
     let mut w_w = Vec::new();

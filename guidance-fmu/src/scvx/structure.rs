@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::problem::Settings;
+use super::error::PlanError;
+use super::problem::{Problem, Settings, Terminal};
 
 /// Order of burns and coasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -11,14 +12,36 @@ pub enum Structure {
     OffOn,
     OnOff,
     On,
+    /// Free fall: only where an impact is accepted.
+    Off,
 }
 
 impl Structure {
     /// The structure whose phases are `powered`, if there is one.
     pub(super) fn of(powered: &[bool]) -> Option<Self> {
-        [Self::OnOffOn, Self::OffOn, Self::OnOff, Self::On]
-            .into_iter()
-            .find(|structure| structure.powered() == powered)
+        Self::ALL.into_iter().find(|structure| structure.powered() == powered)
+    }
+
+    /// In the order they are tried.
+    const ALL: [Self; 5] = [Self::OnOffOn, Self::OffOn, Self::OnOff, Self::On, Self::Off];
+
+    /// The limit of `problem` that this order breaks, by its name.
+    pub(super) fn broken_limit(self, problem: &Problem) -> Option<&'static str> {
+        if self == Self::Off && problem.terminal != Terminal::SoftestImpact {
+            return Some("terminal");
+        }
+        problem.propulsion.broken_by(problem.engine, self)
+    }
+
+    /// The orders that `problem` allows, `wanted` first. Errors: [`PlanError::Structure`] when none.
+    pub(super) fn allowed(problem: &Problem, wanted: Self) -> Result<Vec<Self>, PlanError> {
+        let others = Self::ALL.into_iter().filter(|&structure| structure != wanted);
+        let all = std::iter::once(wanted).chain(others);
+        let allowed: Vec<Self> = all.filter(|s| s.broken_limit(problem).is_none()).collect();
+        match (allowed.is_empty(), wanted.broken_limit(problem)) {
+            (true, Some(limit)) => Err(PlanError::Structure { wanted, limit, instead: None }),
+            _ => Ok(allowed),
+        }
     }
 
     /// Whether the engine runs, phase by phase.
@@ -28,6 +51,7 @@ impl Structure {
             Self::OffOn => &[false, true],
             Self::OnOff => &[true, false],
             Self::On => &[true],
+            Self::Off => &[false],
         }
     }
 }
@@ -50,17 +74,19 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub fn new(structure: Structure, settings: &Settings) -> Self {
+    pub fn new(structure: Structure, problem: &Problem, settings: &Settings) -> Self {
         let powered = structure.powered();
         let last = powered.len() - 1;
         let phases: Vec<PhaseGrid> = (0..=last)
             .map(|phase| {
-                let (intervals, duration_min_s) = match (powered[phase], phase == last) {
-                    (false, _) => (1, settings.coast_min_s),
-                    (true, _) if last == 0 => (settings.single_burn_intervals, settings.burn_min_s),
-                    (true, true) => (settings.last_burn_intervals, settings.burn_min_s),
-                    (true, false) => (settings.first_burn_intervals, settings.burn_min_s),
+                let intervals = match (powered[phase], phase == last) {
+                    (false, _) => 1,
+                    (true, _) if last == 0 => settings.single_burn_intervals,
+                    (true, true) => settings.last_burn_intervals,
+                    (true, false) => settings.first_burn_intervals,
                 };
+                let Problem { propulsion, engine, .. } = *problem;
+                let duration_min_s = propulsion.phase_min_s(engine, powered[phase], phase == 0);
                 let step_min_s = duration_min_s / intervals as f64;
                 PhaseGrid { powered: powered[phase], intervals, step_min_s }
             })

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::conic::{Affine, Program};
-use super::problem::Problem;
+use super::problem::{Problem, Terminal};
 use super::structure::Grid;
 use super::trajectory::{Iterate, Trajectory};
 
@@ -13,6 +13,10 @@ pub(super) const SLACK_WEIGHT: f64 = 1e2;
 
 /// Price of a scaled unit of impulse in reserve: above the Δv it saves, below the slack weight.
 pub(super) const RESERVE_WEIGHT: f64 = 10.0;
+
+/// Price of a scaled unit of impact speed: above the Δv that mends it, and far enough below the
+/// slack weight that no height is given up for speed (G.44).
+pub(super) const IMPACT_WEIGHT: f64 = 10.0;
 
 /// Radius that keeps a nearly vanished phase free to grow again, s.
 const RADIUS_MIN_S: f64 = 0.05;
@@ -28,7 +32,7 @@ pub(super) struct Scale {
 impl Scale {
     pub fn new(problem: &Problem) -> Self {
         let g_m_s2 = problem.gravity_m_s2;
-        let distance_m = (problem.r0_w - problem.r_f_w).norm();
+        let distance_m = problem.miss(&problem.r0_w, &problem.v0_w).0.norm();
         let braking_m = (problem.v0_w - problem.v_f_w).norm_squared() / (2.0 * g_m_s2);
         let length_m = distance_m.max(braking_m).max(1.0);
         let velocity_m_s = (length_m * g_m_s2).sqrt();
@@ -44,6 +48,7 @@ struct Columns {
     rank: Vec<Option<usize>>,
     burns: usize,
     phases: usize,
+    impact_columns: usize,
 }
 
 impl Columns {
@@ -59,6 +64,7 @@ impl Columns {
             rank,
             burns,
             phases: grid.phases.len(),
+            impact_columns: usize::from(problem.terminal == Terminal::SoftestImpact),
         }
     }
 
@@ -88,8 +94,13 @@ impl Columns {
         self.stride * self.burns + self.phases + 12
     }
 
-    fn len(&self) -> usize {
+    /// Impact speed (G.44); unpriced and without rows where the velocity is met.
+    fn impact(&self) -> usize {
         self.path_slack() + 1
+    }
+
+    fn len(&self) -> usize {
+        self.path_slack() + 1 + self.impact_columns
     }
 }
 
@@ -132,10 +143,12 @@ impl Subproblem<'_> {
             columns.reserve(rank).into_iter().for_each(|e| cost[e] = RESERVE_WEIGHT);
         }
         cost[columns.slack(0)[0]..].fill(SLACK_WEIGHT);
+        cost[columns.impact()..].fill(IMPACT_WEIGHT);
         let mut program = Program::new(curvature, cost);
 
         self.terminal_rows(&mut program, &columns, reference);
         self.thrust_rows(&mut program, &columns, reference, local);
+        self.propellant_row(&mut program, &columns);
         self.trust_rows(&mut program, &columns, reference, local.trust);
         for column in columns.slack(0)[0]..columns.len() {
             program.nonnegative(Affine::new([(column, 1.0)], 0.0));
@@ -154,6 +167,8 @@ impl Subproblem<'_> {
                 [columns.h(rank), columns.w(rank, 0), columns.w(rank, 1), columns.w(rank, 2)];
             program.second_order(cone.map(|column| Affine::new([(column, 1.0)], 0.0))); // (G.10)
         }
+        self.impact_cone(&mut program, &columns);
+        self.rate_cones(&mut program, &columns, reference);
         if let Some(angle_rad) = self.problem.path.glide_slope_rad {
             for &node in &local.path_nodes {
                 program.second_order(self.glide_slope(&columns, reference, node, angle_rad));
@@ -179,25 +194,82 @@ impl Subproblem<'_> {
         }
     }
 
+    /// Target miss that a solution leaves in its slacks, m and m/s.
+    pub fn terminal_slack(&self, x: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let columns = Columns::new(self.problem, self.grid);
+        let net = |row| {
+            let [plus, minus] = columns.slack(row);
+            x[minus] - x[plus]
+        };
+        let r_w = Vector3::from_fn(|axis, _| net(3 + axis) * self.scale.length_m);
+        (r_w, Vector3::from_fn(|axis, _| net(axis) * self.scale.velocity_m_s))
+    }
+
     /// Target velocity (G.8) and linearised target position (G.9), each with a slack.
     fn terminal_rows(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
         let (problem, scale) = (self.problem, &self.scale);
-        let gravity_w = problem.gravity_w();
-        for axis in 0..3 {
-            let excess_m_s = (problem.v0_w - problem.v_f_w)[axis];
-            let mut row = Affine::new([], excess_m_s / scale.velocity_m_s);
-            row.terms.extend((0..columns.burns).map(|rank| (columns.w(rank, axis), 1.0)));
-            for (index, phase) in self.grid.phases.iter().enumerate() {
-                let gain_m_s2 = gravity_w[axis] * phase.intervals as f64;
-                row.terms
-                    .push((columns.step(index), gain_m_s2 * scale.time_s / scale.velocity_m_s));
+        if problem.terminal != Terminal::SoftestImpact {
+            for axis in 0..3 {
+                let row = self.velocity_error(columns, axis);
+                program.zero(with_slack(row, columns.slack(axis)));
             }
-            program.zero(with_slack(row, columns.slack(axis)));
         }
-        for axis in 0..3 {
+        let free_axes = if problem.terminal == Terminal::Point { 0 } else { 2 };
+        for axis in free_axes..3 {
             let mut row = self.position(columns, reference, self.grid.len(), axis);
             row.constant -= problem.r_f_w[axis] / scale.length_m;
             program.zero(with_slack(row, columns.slack(3 + axis)));
+        }
+    }
+
+    /// Scaled end velocity less the target's (G.8).
+    fn velocity_error(&self, columns: &Columns, axis: usize) -> Affine {
+        let (problem, scale) = (self.problem, &self.scale);
+        let excess_m_s = (problem.v0_w - problem.v_f_w)[axis];
+        let mut row = Affine::new([], excess_m_s / scale.velocity_m_s);
+        row.terms.extend((0..columns.burns).map(|rank| (columns.w(rank, axis), 1.0)));
+        for (index, phase) in self.grid.phases.iter().enumerate() {
+            let gain_m_s2 = problem.gravity_w()[axis] * phase.intervals as f64;
+            row.terms.push((columns.step(index), gain_m_s2 * scale.time_s / scale.velocity_m_s));
+        }
+        row
+    }
+
+    /// Impact speed above the norm of the velocity error (G.44).
+    fn impact_cone(&self, program: &mut Program, columns: &Columns) {
+        if self.problem.terminal == Terminal::SoftestImpact {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.velocity_error(columns, axis));
+            program.second_order([Affine::new([(columns.impact(), 1.0)], 0.0), x, y, z]);
+        }
+    }
+
+    /// Propellant on board (G.44): only an impact is asked for with too little of it.
+    fn propellant_row(&self, program: &mut Program, columns: &Columns) {
+        if self.problem.terminal == Terminal::SoftestImpact && columns.burns > 0 {
+            /// Room for the solver's tolerance, so that the roll-out stays above the dry mass.
+            const USABLE_SHARE: f64 = 1.0 - 1e-6;
+            let most = USABLE_SHARE * self.problem.delta_v_max_m_s() / self.scale.velocity_m_s;
+            let spent = (0..columns.burns).map(|rank| (columns.h(rank), -1.0));
+            program.nonnegative(Affine::new(spent.collect::<Vec<_>>(), most));
+        }
+    }
+
+    /// Thrust rate between neighbouring intervals of a burn, with d² from below (G.42).
+    fn rate_cones(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
+        let Some(rate_n_s) = self.problem.thrust_rate_max_n_s else { return };
+        for j in 1..self.grid.len() {
+            let phase = self.grid.phase_of[j];
+            let (Some(before), Some(after)) = (columns.rank[j - 1], columns.rank[j]) else {
+                continue;
+            };
+            let step_s = reference.iterate.step_s[phase];
+            let per_s = rate_n_s / (reference.nodes[j].mass_kg * self.scale.velocity_m_s);
+            let slope = 2.0 * step_s * self.scale.time_s * per_s;
+            let limit = Affine::new([(columns.step(phase), slope)], -step_s * step_s * per_s);
+            let change = |axis| {
+                Affine::new([(columns.w(after, axis), 1.0), (columns.w(before, axis), -1.0)], 0.0)
+            };
+            program.second_order([limit, change(0), change(1), change(2)]);
         }
     }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::problem::Problem;
 use super::structure::Grid;
+use super::subproblem::IMPACT_WEIGHT;
 
 /// Decision variables of the outer loop.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,12 +63,12 @@ impl Node {
 pub(super) struct Trajectory {
     pub iterate: Iterate,
     pub nodes: Vec<Node>,
-    /// Σ‖w‖, m/s.
-    pub delta_v_m_s: f64,
     /// Target position error, m.
     pub miss_r_w: Vector3<f64>,
     /// Target velocity error, m/s.
     pub miss_v_w: Vector3<f64>,
+    /// Σ‖w‖ and the priced impact: what is minimised, m/s (G.44).
+    pub cost_m_s: f64,
     /// Largest (h − ‖w‖)/h.
     pub lossless_gap: f64,
     /// Largest excursion of the thrust from its bounds, N.
@@ -104,10 +105,12 @@ impl Trajectory {
                 reserve_m_s += over_m_s.max(tilted_m_s).max(0.0);
             }
         }
+        let delta_v_m_s: f64 = iterate.w_w.iter().map(|w| w.norm()).sum();
+        let (miss_r_w, miss_v_w) = problem.miss(&node.r_w, &node.v_w);
         Self {
-            delta_v_m_s: iterate.w_w.iter().map(|w| w.norm()).sum(),
-            miss_r_w: node.r_w - problem.r_f_w,
-            miss_v_w: node.v_w - problem.v_f_w,
+            miss_r_w,
+            miss_v_w,
+            cost_m_s: delta_v_m_s + IMPACT_WEIGHT * problem.impact_m_s(&node.v_w),
             lossless_gap,
             thrust_violation_n,
             reserve_m_s,

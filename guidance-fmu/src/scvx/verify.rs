@@ -15,6 +15,9 @@ pub const LOSSLESS_GAP_MAX: f64 = 1e-4;
 pub const MISS_MAX: f64 = 1e-2;
 /// Largest accepted thrust excursion relative to the ceiling.
 pub const THRUST_EXCURSION_MAX: f64 = 1e-4;
+/// Largest accepted excess of the thrust rate over its limit, relative: the masses it is frozen at
+/// are far nearer than this.
+pub const THRUST_RATE_EXCESS_MAX: f64 = 1e-3;
 /// Largest accepted excursion of a node from the path limits, m.
 pub const PATH_EXCESS_MAX_M: f64 = 1e-2;
 /// Longest Runge-Kutta step, s: its local error is below 1e-9 m for these mass flows.
@@ -23,8 +26,44 @@ const STEP_MAX_S: f64 = 0.5;
 /// r, v and m.
 type State = SVector<f64, 7>;
 
-/// Position and velocity miss of the re-propagated plan, m and m/s.
-pub(super) fn repropagate(problem: &Problem, plan: &Plan) -> (f64, f64) {
+/// Fills in what a report says about the finished plan alone.
+pub(super) fn measure(problem: &Problem, plan: &mut Plan) {
+    let end = repropagate(problem, plan);
+    let (r_w, v_w) = (end.fixed_rows::<3>(0).into(), end.fixed_rows::<3>(3).into());
+    let (miss_r_w, miss_v_w) = problem.miss(&r_w, &v_w);
+    let end_kg = plan.nodes.last().map_or(problem.mass_kg, |node| node.mass_kg);
+    let (dead_zone_n, thrust_rate_n_s) = (dead_zone_n(problem, plan), thrust_rate_n_s(plan));
+    let report = &mut plan.report;
+    (report.miss_m, report.miss_m_s) = (miss_r_w.norm(), miss_v_w.norm());
+    report.impact_m_s = (v_w - problem.v_f_w).norm();
+    report.mass_error_kg = (end_kg - end[6]).abs();
+    report.propellant_left_kg = end_kg - problem.dry_mass_kg;
+    (report.dead_zone_n, report.thrust_rate_n_s) = (dead_zone_n, thrust_rate_n_s);
+}
+
+/// How far the thrust of a burn falls below the floor, N (G.40); it is least where an interval ends.
+fn dead_zone_n(problem: &Problem, plan: &Plan) -> f64 {
+    let burns = plan.u_w.iter().zip(&plan.nodes[1..]).filter(|(u_w, _)| **u_w != Vector3::zeros());
+    burns.map(|(u_w, end)| problem.thrust_min_n - u_w.norm() * end.mass_kg).fold(0.0, f64::max)
+}
+
+/// Largest jump of the thrust inside a burn over the length of an interval, N/s (G.42).
+fn thrust_rate_n_s(plan: &Plan) -> f64 {
+    let mut from = 0;
+    let mut largest_n_s = 0.0_f64;
+    for phase in &plan.phases {
+        let step_s = phase.duration_s / phase.intervals as f64;
+        let burn = &plan.u_w[from..from + phase.intervals];
+        for (pair, node) in burn.windows(2).zip(&plan.nodes[from + 1..]) {
+            largest_n_s = largest_n_s.max(node.mass_kg * (pair[1] - pair[0]).norm() / step_s);
+        }
+        from += phase.intervals;
+    }
+    largest_n_s
+}
+
+/// End state of the re-propagated plan.
+fn repropagate(problem: &Problem, plan: &Plan) -> State {
     let gravity_w = problem.gravity_w();
     let flow_s_m = problem.mass_flow_s_m();
     let mut x = State::zeros();
@@ -55,9 +94,7 @@ pub(super) fn repropagate(problem: &Problem, plan: &Plan) -> (f64, f64) {
             x += (k1 + k2 * 2.0 + k3 * 2.0 + k4) * (step_s / 6.0);
         }
     }
-    let miss_m = (x.fixed_rows::<3>(0) - problem.r_f_w).norm();
-    let miss_m_s = (x.fixed_rows::<3>(3) - problem.v_f_w).norm();
-    (miss_m, miss_m_s)
+    x
 }
 
 /// Refuses a problem that starts outside its path limits.
@@ -95,6 +132,11 @@ pub(super) fn accept(problem: &Problem, plan: &Plan) -> Result<(), PlanError> {
     let limit_n = THRUST_EXCURSION_MAX * problem.thrust_max_n;
     if report.thrust_violation_n > limit_n {
         return Err(PlanError::Thrust { violation_n: report.thrust_violation_n, limit_n });
+    }
+    let rate_max_n_s = problem.thrust_rate_max_n_s.unwrap_or(f64::INFINITY);
+    if report.thrust_rate_n_s > (1.0 + THRUST_RATE_EXCESS_MAX) * rate_max_n_s {
+        let rate_n_s = report.thrust_rate_n_s;
+        return Err(PlanError::ThrustRate { rate_n_s, limit_n_s: rate_max_n_s });
     }
     let (needed_kg, available_kg) = (plan.propellant_kg(), problem.mass_kg - problem.dry_mass_kg);
     if needed_kg > available_kg {

@@ -1,6 +1,6 @@
 //! The descents that are planned, for this planner and for its peers alike.
 
-use guidance_fmu::scvx::{PathLimits, Problem, Settings, Structure};
+use guidance_fmu::scvx::{EngineState, PathLimits, Problem, Propulsion, Settings, Terminal};
 use nalgebra::Vector3;
 
 /// Intervals of a flight on one grid.
@@ -42,7 +42,6 @@ impl Mode {
 
     pub fn settings(self) -> Settings {
         let one_burn = Settings {
-            structure: Some(Structure::On),
             relaxed_intervals: INTERVALS,
             single_burn_intervals: INTERVALS,
             ..Settings::default()
@@ -67,12 +66,16 @@ fn problem(hop: bool, mode: Mode, tilt_max_deg: f64) -> Problem {
         v0_w,
         r_f_w: Vector3::zeros(),
         v_f_w: Vector3::zeros(),
+        terminal: Terminal::Point,
         mass_kg: 259.5,
         dry_mass_kg: 174.0,
         gravity_m_s2: 1.625,
         isp_s: 225.0,
         thrust_min_n: if mode == Mode::Relaxed { 0.0 } else { 800.0 },
         thrust_max_n: 5200.0,
+        thrust_rate_max_n_s: None,
+        propulsion: if mode == Mode::OnOff { Propulsion::default() } else { Propulsion::AlwaysOn },
+        engine: EngineState::default(),
         tilt_max_rad: tilt_max_deg.to_radians(),
         final_tilt: None,
         reserve: None,

@@ -40,7 +40,7 @@ fn timed<T>(runs: usize, mut call: impl FnMut() -> T) -> Result<([f64; 2], T), n
 /// A cold plan.
 pub fn plan(case: &Case) -> Result<Plan, Box<dyn Error>> {
     let settings = case.mode.settings();
-    let (times_s, plan) = timed(PLANS, || scvx::plan(&case.problem, &settings))?;
+    let (times_s, plan) = timed(PLANS, || scvx::solve(&case.problem, &settings))?;
     let plan = plan?;
     Ok(Plan {
         planner: "ours".to_owned(),
@@ -59,7 +59,7 @@ pub fn plan(case: &Case) -> Result<Plan, Box<dyn Error>> {
 /// The first conic program of a replan from the converged plan.
 pub fn program(case: &Case) -> Result<Program, Box<dyn Error>> {
     let settings = case.mode.settings();
-    let plan = scvx::plan(&case.problem, &settings)?;
+    let plan = scvx::solve(&case.problem, &settings)?;
     let program = scvx::subproblem(&case.problem, &settings, &plan, 0.0);
     program.ok_or_else(|| "nothing is left of the plan".into())
 }
