@@ -110,7 +110,9 @@ impl Mission {
             Phase::Coast | Phase::Burn => {
                 self.planning.update(vehicle, gravity_m_s2, task, now, nav);
                 let over = self.planning.flown.as_ref().is_none_or(|f| f.time_to_go_s(now) <= 0.0);
-                if over {
+                if nav.any_foot_down || over && !task.terminal_law {
+                    self.phase = Phase::CutOff;
+                } else if over {
                     self.phase = Phase::Terminal;
                     self.braking.engine_on = true;
                 }
@@ -145,8 +147,12 @@ impl Mission {
             return Orders::coast(up_w);
         }
         let reference = flown.plan.sample(elapsed_s.max(0.0));
-        let feedback_w = (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
-            + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S;
+        let feedback_w = if context.task.tracking {
+            (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
+                + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S
+        } else {
+            Vector3::zeros()
+        };
         let direction = |t_s: f64| {
             flown.plan.smoothed_direction(t_s, DIRECTION_WINDOW_S).unwrap_or(Vector3::z())
         };
