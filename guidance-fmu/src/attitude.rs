@@ -3,6 +3,7 @@
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 
 /// Loop gains: attitude error to rate and rate error to acceleration, 1/s.
@@ -31,17 +32,18 @@ pub struct Torquers {
 }
 
 /// Turns the vehicle so that a thrust through the centre of mass points along `up_w` and body x
-/// keeps its heading towards world x. `thrust_n` is the thrust expected now.
+/// keeps its heading towards world x.
 ///
 /// `up_rate_w` is the angular velocity of `up_w` itself, rad/s: a turn that is planned needs no
 /// error to follow.
 pub fn control(
     vehicle: &Vehicle,
     nav: &Navigation,
+    engine: &EngineEstimate,
     up_w: &Vector3<f64>,
     up_rate_w: &Vector3<f64>,
-    thrust_n: f64,
 ) -> Torquers {
+    let thrust_n = engine.thrust_n();
     let gains = if thrust_n > GIMBAL_THRUST_MIN_N { ON_GIMBAL } else { ON_THRUSTERS };
     let wanted_wb = attitude_for(vehicle, nav, up_w, thrust_n);
     let error_b = (wanted_wb.inverse() * nav.attitude_wb).scaled_axis();
@@ -51,7 +53,7 @@ pub fn control(
     // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
-    allocate(vehicle, nav, &torque_b, thrust_n)
+    allocate(vehicle, nav, &torque_b, thrust_n, &engine.pointing_rad)
 }
 
 /// Attitude whose trimmed thrust line is `up_w` (G.35).
@@ -78,6 +80,7 @@ fn allocate(
     nav: &Navigation,
     torque_b: &Vector3<f64>,
     thrust_n: f64,
+    pointing_rad: &Vector2<f64>,
 ) -> Torquers {
     let limit_rad = vehicle.engine.gimbal_limit_rad;
     let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
@@ -85,15 +88,16 @@ fn allocate(
     let mut gimbal_rad = Vector2::zeros();
     if thrust_n > GIMBAL_THRUST_MIN_N {
         let lever_nm = arm_b.z * thrust_n;
-        gimbal_rad = Vector2::new(
+        let wanted_rad = Vector2::new(
             (torque_b.x - arm_b.y * thrust_n) / lever_nm,
             (torque_b.y + arm_b.x * thrust_n) / lever_nm,
-        )
-        .map(|angle| angle.clamp(-limit_rad, limit_rad));
-        left_b.x -= lever_nm * gimbal_rad.x + arm_b.y * thrust_n;
-        left_b.y -= lever_nm * gimbal_rad.y - arm_b.x * thrust_n;
+        );
+        gimbal_rad = (wanted_rad - pointing_rad).map(|angle| angle.clamp(-limit_rad, limit_rad));
+        let line_rad = gimbal_rad + pointing_rad;
+        left_b.x -= lever_nm * line_rad.x + arm_b.y * thrust_n;
+        left_b.y -= lever_nm * line_rad.y - arm_b.x * thrust_n;
         // A centre of mass off the axis lets the gimbal roll the vehicle a little.
-        left_b.z += thrust_n * (arm_b.x * gimbal_rad.x + arm_b.y * gimbal_rad.y);
+        left_b.z += thrust_n * (arm_b.x * line_rad.x + arm_b.y * line_rad.y);
     }
     let rcs_torque_b =
         left_b.zip_map(&vehicle.rcs.torque_max_b, |torque, max| torque.clamp(-max, max));
@@ -124,7 +128,7 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let (thrust_n, asked_b) = (2000.0, Vector3::new(30.0, -40.0, 5.0));
-        let given = allocate(&vehicle, &nav, &asked_b, thrust_n);
+        let given = allocate(&vehicle, &nav, &asked_b, thrust_n, &Vector2::zeros());
         // The thrust line written down again: body z turned about x, then about y.
         let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), given.gimbal_rad.x);
         let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), given.gimbal_rad.y);
@@ -140,10 +144,10 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let asked_b = Vector3::new(200.0, 0.0, 0.0);
-        let given = allocate(&vehicle, &nav, &asked_b, 1000.0);
+        let given = allocate(&vehicle, &nav, &asked_b, 1000.0, &Vector2::zeros());
         assert_eq!(given.gimbal_rad.x.abs(), vehicle.engine.gimbal_limit_rad);
         assert_eq!(given.rcs_torque_b.x, vehicle.rcs.torque_max_b.x);
-        let engine_off = allocate(&vehicle, &nav, &asked_b, 0.0);
+        let engine_off = allocate(&vehicle, &nav, &asked_b, 0.0, &Vector2::zeros());
         assert_eq!(engine_off.gimbal_rad, Vector2::zeros());
     }
 
@@ -166,7 +170,7 @@ mod tests {
             let mut nav = upright(&vehicle);
             nav.attitude_wb = UnitQuaternion::from_axis_angle(&axis, 0.1);
             let still = Vector3::zeros();
-            let given = control(&vehicle, &nav, &Vector3::z(), &still, 0.0);
+            let given = control(&vehicle, &nav, &EngineEstimate::default(), &Vector3::z(), &still);
             assert!(given.rcs_torque_b.dot(&axis) < 0.0, "about {axis:?}");
         }
     }

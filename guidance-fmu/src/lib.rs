@@ -7,6 +7,7 @@ pub mod scvx;
 
 mod attitude;
 mod descent;
+mod disturbance;
 mod mission;
 mod model;
 mod navigation;

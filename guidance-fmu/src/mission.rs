@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::descent::{self, Aim, Braking};
+use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 use crate::planning::Planning;
 
@@ -77,8 +78,7 @@ pub struct Context<'a> {
     pub gravity_m_s2: f64,
     pub now: Ticks,
     pub nav: &'a Navigation,
-    /// Thrust expected now, N.
-    pub thrust_n: f64,
+    pub engine: &'a EngineEstimate,
 }
 
 impl Mission {
@@ -99,7 +99,7 @@ impl Mission {
     }
 
     fn change_phase(&mut self, context: &Context) {
-        let Context { vehicle, task, gravity_m_s2, now, nav, thrust_n } = *context;
+        let Context { vehicle, task, gravity_m_s2, now, nav, engine } = *context;
         match self.phase {
             Phase::Standby => match task.mode {
                 GuidanceMode::Off => {}
@@ -118,7 +118,7 @@ impl Mission {
                 }
             }
             Phase::Terminal | Phase::FallBack => {
-                if descent::cut_off(vehicle, task, nav, thrust_n) {
+                if descent::cut_off(vehicle, task, nav, engine.thrust_n()) {
                     self.phase = Phase::CutOff;
                 }
             }
@@ -182,12 +182,11 @@ fn lift_off(context: &Context) -> Orders {
 
 /// Thrust acceleration within tilt limit and throttle range.
 fn powered_orders(context: &Context, acceleration_w: &Vector3<f64>) -> Orders {
-    let Context { vehicle, task, nav, .. } = *context;
+    let Context { vehicle, task, nav, engine, .. } = *context;
     let up_w = within_tilt(acceleration_w, task.tilt_max_rad);
     let thrust_n = acceleration_w.dot(&up_w) * nav.mass.mass_kg;
-    let engine = &vehicle.engine;
     Orders {
-        thrust_n: thrust_n.clamp(engine.thrust_min_n, engine.thrust_max_n),
+        thrust_n: engine.command_n(&vehicle.engine, thrust_n),
         up_w,
         hold_attitude: true,
         ..Orders::NONE

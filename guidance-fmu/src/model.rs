@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
+use crate::disturbance::EngineEstimate;
 use crate::mission::{Context, Mission, Orders};
 use crate::navigation::Navigation;
 
@@ -26,8 +27,7 @@ pub struct Guidance {
 pub struct State {
     pub now: Ticks,
     pub mission: Mission,
-    /// Thrust that the engine should give now, by its nominal lag.
-    thrust_n: f64,
+    engine: EngineEstimate,
     commands: Commands,
     /// Planned position and velocity of O, for the log.
     plan_position_w: Vector3<f64>,
@@ -54,16 +54,9 @@ impl Guidance {
             gravity_m_s2: self.gravity_m_s2,
             now: state.now,
             nav,
-            thrust_n: state.thrust_n,
+            engine: &state.engine,
         };
         state.mission.step(&context)
-    }
-
-    /// Follows the nominal first-order lag through `duration` of a held command.
-    fn expect_thrust(&self, state: &mut State, duration: Ticks) {
-        let decay = (-duration.seconds() / self.vehicle.engine.thrust_lag_s).exp();
-        let command_n = state.commands.thrust_n;
-        state.thrust_n = command_n + (state.thrust_n - command_n) * decay;
     }
 
     fn note_plan(&self, state: &mut State, nav: &Navigation) {
@@ -91,9 +84,10 @@ impl Component for Guidance {
     ) -> Result<StepReport, ModelError> {
         let nav = Navigation::read(&self.vehicle, inputs)?;
         let phase = state.mission.phase;
+        state.engine.learn(&nav.specific_force_b, nav.mass.mass_kg, duration);
         let orders = self.orders(state, &nav);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
-            attitude::control(&self.vehicle, &nav, &orders.up_w, &orders.up_rate_w, state.thrust_n)
+            attitude::control(&self.vehicle, &nav, &state.engine, &orders.up_w, &orders.up_rate_w)
         } else {
             Torquers::default()
         };
@@ -104,7 +98,8 @@ impl Component for Guidance {
             up_w: orders.up_w.into(),
         };
         self.note_plan(state, &nav);
-        self.expect_thrust(state, duration);
+        let Commands { thrust_n, gimbal_rad, .. } = state.commands;
+        state.engine.expect(&self.vehicle.engine, thrust_n, &gimbal_rad.into(), duration);
         state.now += duration;
         Ok(StepReport { event: state.mission.phase != phase, terminate: false })
     }

@@ -15,6 +15,8 @@ pub struct Navigation {
     pub velocity_w: Vector3<f64>,
     pub attitude_wb: Attitude,
     pub rate_b: Vector3<f64>,
+    /// Non-gravitational acceleration of the centre of mass, mean of the last step.
+    pub specific_force_b: Vector3<f64>,
     pub mass: MassProperties,
     /// Of the structural origin O above the ground below it.
     pub altimeter_m: f64,
@@ -35,8 +37,7 @@ impl Navigation {
         }
         let attitude_wb = attitude_from_wxyz(quaternion);
         let rate_b: Vector3<f64> = reader.take::<3>().into();
-        // The specific force serves disturbance estimators; this one has none.
-        reader.take::<3>();
+        let specific_force_b: Vector3<f64> = reader.take::<3>().into();
         let [mass_kg] = reader.take();
         let [altimeter_m] = reader.take();
         let feet: [f64; FOOT_SLOTS] = reader.take();
@@ -49,6 +50,7 @@ impl Navigation {
             velocity_w: origin_velocity_w + attitude_wb * rate_b.cross(&mass.com_b),
             attitude_wb,
             rate_b,
+            specific_force_b,
             mass,
             altimeter_m,
             any_foot_down: feet.iter().any(|down| *down > 0.5),

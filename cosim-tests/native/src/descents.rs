@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use guidance_fmu::Guidance;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
-use lander_models::{Component, ModelError, Outcome, Scenario, Vehicle};
+use lander_models::{ModelError, Outcome, Scenario, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;
 use truth_model::TruthModel;
