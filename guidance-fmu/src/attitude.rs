@@ -24,6 +24,9 @@ const ON_THRUSTERS: Gains =
 /// Below this thrust the gimbal's torque is not relied on.
 const GIMBAL_THRUST_MIN_N: f64 = 400.0;
 
+/// The gimbal's angle so far ahead decides what is left for the thrusters, s: one control step.
+const LOOK_AHEAD_S: f64 = 0.01;
+
 /// Commands of one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Torquers {
@@ -53,7 +56,7 @@ pub fn control(
     // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
-    allocate(vehicle, nav, &torque_b, thrust_n, &engine.pointing_rad)
+    allocate(vehicle, nav, engine, &torque_b)
 }
 
 /// Attitude whose trimmed thrust line is `up_w` (G.35).
@@ -78,10 +81,10 @@ fn attitude_for(
 fn allocate(
     vehicle: &Vehicle,
     nav: &Navigation,
+    engine: &EngineEstimate,
     torque_b: &Vector3<f64>,
-    thrust_n: f64,
-    pointing_rad: &Vector2<f64>,
 ) -> Torquers {
+    let thrust_n = engine.thrust_n();
     let limit_rad = vehicle.engine.gimbal_limit_rad;
     let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
     let mut left_b = *torque_b;
@@ -92,8 +95,10 @@ fn allocate(
             (torque_b.x - arm_b.y * thrust_n) / lever_nm,
             (torque_b.y + arm_b.x * thrust_n) / lever_nm,
         );
-        gimbal_rad = (wanted_rad - pointing_rad).map(|angle| angle.clamp(-limit_rad, limit_rad));
-        let line_rad = gimbal_rad + pointing_rad;
+        let command_rad = wanted_rad - engine.pointing_rad;
+        gimbal_rad = command_rad.map(|angle| angle.clamp(-limit_rad, limit_rad));
+        let line_rad = engine.gimbal_after_rad(&vehicle.engine, &gimbal_rad, LOOK_AHEAD_S)
+            + engine.pointing_rad;
         left_b.x -= lever_nm * line_rad.x + arm_b.y * thrust_n;
         left_b.y -= lever_nm * line_rad.y - arm_b.x * thrust_n;
         // A centre of mass off the axis lets the gimbal roll the vehicle a little.

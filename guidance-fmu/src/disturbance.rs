@@ -93,14 +93,24 @@ impl EngineEstimate {
         let lag_s = if command_n > 0.0 { engine.thrust_lag_s } else { engine.tail_off_lag_s };
         let (before_n, before_rad) = (self.nominal_n, self.gimbal_rad);
         self.nominal_n = command_n + (before_n - command_n) * (-step_s / lag_s).exp();
-        let most_rad = engine.gimbal_rate_rad_s * step_s;
-        let share = 1.0 - (-step_s / engine.gimbal_lag_s).exp();
-        let turn_rad = (gimbal_rad - before_rad) * share;
-        self.gimbal_rad += turn_rad.map(|angle| angle.clamp(-most_rad, most_rad));
+        self.gimbal_rad = self.gimbal_after_rad(engine, gimbal_rad, step_s);
         self.nominal_mean_n = 0.5 * (before_n + self.nominal_n);
         self.gimbal_mean_rad = 0.5 * (before_rad + self.gimbal_rad);
         let off_n = (before_n - command_n).abs();
         self.settled = command_n > 0.0 && off_n < SETTLED_SHARE * command_n;
+    }
+
+    /// Gimbal angles after `time_s` of a held command, by the nominal lag and rate limit.
+    pub fn gimbal_after_rad(
+        &self,
+        engine: &Engine,
+        command_rad: &Vector2<f64>,
+        time_s: f64,
+    ) -> Vector2<f64> {
+        let most_rad = engine.gimbal_rate_rad_s * time_s;
+        let share = 1.0 - (-time_s / engine.gimbal_lag_s).exp();
+        let turn_rad = (command_rad - self.gimbal_rad) * share;
+        self.gimbal_rad + turn_rad.map(|angle| angle.clamp(-most_rad, most_rad))
     }
 
     /// Command that delivers `wanted_n`, within the throttle (G.62): never between zero and the

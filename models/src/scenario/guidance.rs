@@ -76,7 +76,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
             Limit::Positive,
             3.0,
         )?,
-        cutoff_height_m: s.number_or("cutoff_height", "m", Limit::Positive, 0.6)?,
+        cutoff_height_m: s.number_or("cutoff_height", "m", Limit::Positive, 0.45)?,
         cutoff_speed_m_s: s.number_or("cutoff_speed", "m/s", Limit::NotNegative, 0.3)?,
         lift_off_height_m: s.number_or("lift_off_height", "m", Limit::Positive, 3.0)?,
     };
