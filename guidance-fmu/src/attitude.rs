@@ -77,7 +77,7 @@ fn attitude_for(
     UnitQuaternion::from_rotation_matrix(&frame) * trim
 }
 
-/// Gimbal first, thrusters for what it can't give (G.37).
+/// Gimbal first; thrusters for what it can't give, or not in time (G.37).
 fn allocate(
     vehicle: &Vehicle,
     nav: &Navigation,
@@ -111,6 +111,7 @@ fn allocate(
 
 #[cfg(test)]
 mod tests {
+    use lander_models::Ticks;
     use lander_models::signals::{ATTITUDE_WB, GUIDANCE, MASS_KG};
 
     use super::*;
@@ -128,20 +129,53 @@ mod tests {
         Navigation::read(vehicle, &inputs).unwrap()
     }
 
+    /// An engine that has settled at a thrust with its gimbal centred.
+    fn running(vehicle: &Vehicle, thrust_n: f64) -> EngineEstimate {
+        let mut engine = EngineEstimate::default();
+        engine.expect(&vehicle.engine, thrust_n, &Vector2::zeros(), Ticks(10_000));
+        engine
+    }
+
+    /// Torque of a thrust line at these angles, written down again: body z turned about x, then y.
+    fn torque_b(nav: &Navigation, vehicle: &Vehicle, line_rad: Vector2<f64>) -> Vector3<f64> {
+        let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), line_rad.x);
+        let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), line_rad.y);
+        let force_b = about_y * about_x * Vector3::z() * 2000.0;
+        (vehicle.engine.pivot_b - nav.mass.com_b).cross(&force_b)
+    }
+
     #[test]
-    fn the_gimbal_gives_the_torque_that_is_asked_for() {
+    fn gimbal_and_thrusters_give_the_torque_that_is_asked_for() {
         let vehicle = bug();
         let nav = upright(&vehicle);
-        let (thrust_n, asked_b) = (2000.0, Vector3::new(30.0, -40.0, 5.0));
-        let given = allocate(&vehicle, &nav, &asked_b, thrust_n, &Vector2::zeros());
-        // The thrust line written down again: body z turned about x, then about y.
-        let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), given.gimbal_rad.x);
-        let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), given.gimbal_rad.y);
-        let force_b = about_y * about_x * Vector3::z() * thrust_n;
-        let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
-        let torque_b = arm_b.cross(&force_b) + given.rcs_torque_b;
-        // First order in the angle: what is left is δ²/2 of the torque, below 0.1 % at 2°.
-        assert!((torque_b - asked_b).norm() < 1e-3 * asked_b.norm(), "{torque_b}");
+        let asked_b = Vector3::new(20.0, -25.0, 5.0);
+        let mut engine = running(&vehicle, 2000.0);
+        // At once thrusters give what the gimbal has yet to turn to; in the end the gimbal does all.
+        for steps in 0..100 {
+            let given = allocate(&vehicle, &nav, &engine, &asked_b);
+            let soon_rad =
+                engine.gimbal_after_rad(&vehicle.engine, &given.gimbal_rad, LOOK_AHEAD_S);
+            let torque_b = torque_b(&nav, &vehicle, soon_rad) + given.rcs_torque_b;
+            // First order in the angle: what is left is δ²/2 of the torque, below 0.1 % at 2°.
+            assert!((torque_b - asked_b).norm() < 1e-3 * asked_b.norm(), "{torque_b}");
+            let by_thrusters = given.rcs_torque_b.xy().norm() / asked_b.xy().norm();
+            assert!(steps > 0 || by_thrusters > 0.5, "{by_thrusters} at once");
+            assert!(steps < 99 || by_thrusters < 1e-3, "{by_thrusters} in the end");
+            engine.expect(&vehicle.engine, 2000.0, &given.gimbal_rad, Ticks(10));
+        }
+    }
+
+    #[test]
+    fn a_thrust_line_known_to_be_off_is_trimmed_out() {
+        let vehicle = bug();
+        let nav = upright(&vehicle);
+        let mut engine = running(&vehicle, 2000.0);
+        engine.pointing_rad = Vector2::new(0.03, -0.02);
+        let asked_b = Vector3::new(10.0, -20.0, 0.0);
+        let given = allocate(&vehicle, &nav, &engine, &asked_b);
+        let torque_b = torque_b(&nav, &vehicle, given.gimbal_rad + engine.pointing_rad);
+        // First order in the angle, as above.
+        assert!((torque_b - asked_b).xy().norm() < 1e-3 * asked_b.norm(), "{torque_b}");
     }
 
     #[test]
@@ -149,10 +183,10 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let asked_b = Vector3::new(200.0, 0.0, 0.0);
-        let given = allocate(&vehicle, &nav, &asked_b, 1000.0, &Vector2::zeros());
+        let given = allocate(&vehicle, &nav, &running(&vehicle, 1000.0), &asked_b);
         assert_eq!(given.gimbal_rad.x.abs(), vehicle.engine.gimbal_limit_rad);
         assert_eq!(given.rcs_torque_b.x, vehicle.rcs.torque_max_b.x);
-        let engine_off = allocate(&vehicle, &nav, &asked_b, 0.0, &Vector2::zeros());
+        let engine_off = allocate(&vehicle, &nav, &EngineEstimate::default(), &asked_b);
         assert_eq!(engine_off.gimbal_rad, Vector2::zeros());
     }
 

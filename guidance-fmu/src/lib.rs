@@ -8,6 +8,7 @@ pub mod scvx;
 mod attitude;
 mod descent;
 mod disturbance;
+mod guard;
 mod mission;
 mod model;
 mod navigation;

@@ -135,10 +135,10 @@ impl Mission {
     /// Feed-forward of the plan with feedback on its path (G.30). Commands lead by the engine's
     /// lag, so that the thrust itself is in time.
     fn follow_plan(&mut self, context: &Context) -> Orders {
-        let Context { vehicle, now, nav, .. } = *context;
+        let Context { vehicle, now, nav, engine, .. } = *context;
         let Some(flown) = &self.planning.flown else { return Orders::NONE };
         let elapsed_s = flown.elapsed_s(now);
-        let ahead_s = elapsed_s + vehicle.engine.thrust_lag_s;
+        let ahead_s = elapsed_s + engine.lead_s(&vehicle.engine);
         let ahead = flown.plan.sample(ahead_s);
         let powered = ahead_s >= 0.0 && ahead.powered;
         self.phase = if powered { Phase::Burn } else { Phase::Coast };
@@ -166,8 +166,9 @@ impl Mission {
     }
 
     fn descend(&mut self, context: &Context, aim: Aim) -> Orders {
-        let Context { vehicle, task, gravity_m_s2, nav, .. } = *context;
-        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, aim, &mut self.braking);
+        let Context { vehicle, task, gravity_m_s2, nav, engine, .. } = *context;
+        let braking = &mut self.braking;
+        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, engine, aim, braking);
         match demand.thrust_acceleration_w {
             Some(acceleration_w) => powered_orders(context, &acceleration_w),
             None => Orders::coast(demand.up_w),

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
 use crate::disturbance::EngineEstimate;
+use crate::guard;
 use crate::mission::{Context, Mission, Orders};
 use crate::navigation::Navigation;
 
@@ -47,6 +48,11 @@ impl Guidance {
         Self { vehicle, task: scenario.guidance.clone(), gravity_m_s2: scenario.gravity_m_s2 }
     }
 
+    /// State at t = 0.
+    pub fn initial_state(&self) -> State {
+        State::default()
+    }
+
     fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
         let context = Context {
             vehicle: &self.vehicle,
@@ -59,32 +65,18 @@ impl Guidance {
         state.mission.step(&context)
     }
 
-    fn note_plan(&self, state: &mut State, nav: &Navigation) {
-        let Some(flown) = &state.mission.planning.flown else { return };
-        let sample = flown.plan.sample(flown.elapsed_s(state.now));
-        state.plan_position_w = sample.r_w - nav.attitude_wb * nav.mass.com_b;
-        state.plan_velocity_w = sample.v_w;
-    }
-}
-
-impl Component for Guidance {
-    const INTERFACE: &'static Interface = &signals::GUIDANCE;
-    type State = State;
-
-    fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
-        let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
-        Ok((Self::new(&scenario, vehicle), State::default()))
-    }
-
-    fn step(
+    fn fly(
         &self,
         state: &mut State,
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
+        guard::check(inputs)?;
         let nav = Navigation::read(&self.vehicle, inputs)?;
         let phase = state.mission.phase;
-        state.engine.learn(&nav.specific_force_b, nav.mass.mass_kg, duration);
+        if self.task.compensation {
+            state.engine.learn(&nav.specific_force_b, nav.mass.mass_kg, duration);
+        }
         let orders = self.orders(state, &nav);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
             attitude::control(&self.vehicle, &nav, &state.engine, &orders.up_w, &orders.up_rate_w)
@@ -102,6 +94,40 @@ impl Component for Guidance {
         state.engine.expect(&self.vehicle.engine, thrust_n, &gimbal_rad.into(), duration);
         state.now += duration;
         Ok(StepReport { event: state.mission.phase != phase, terminate: false })
+    }
+
+    fn note_plan(&self, state: &mut State, nav: &Navigation) {
+        let Some(flown) = &state.mission.planning.flown else { return };
+        let sample = flown.plan.sample(flown.elapsed_s(state.now));
+        state.plan_position_w = sample.r_w - nav.attitude_wb * nav.mass.com_b;
+        state.plan_velocity_w = sample.v_w;
+    }
+}
+
+impl Component for Guidance {
+    const INTERFACE: &'static Interface = &signals::GUIDANCE;
+    type State = State;
+
+    fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
+        let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
+        let guidance = Self::new(&scenario, vehicle);
+        let state = guidance.initial_state();
+        Ok((guidance, state))
+    }
+
+    /// Inputs that are refused leave the safe command: engine and thrusters off, gimbal centred.
+    /// Thrust in a direction that nobody knows is worse than none.
+    fn step(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<StepReport, ModelError> {
+        let stepped = self.fly(state, inputs, duration);
+        if stepped.is_err() {
+            state.commands = Commands::default();
+        }
+        stepped
     }
 
     fn outputs(&self, state: &State, outputs: &mut [f64]) {

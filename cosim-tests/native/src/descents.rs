@@ -28,6 +28,8 @@ pub struct Scheme {
     pub name: &'static str,
     /// Between two plans; longer than the flight for a single plan.
     pub replan_s: f64,
+    /// Whether the engine's errors are estimated and compensated.
+    pub compensation: bool,
     /// Whether the path is followed between plans.
     pub tracking: bool,
     /// Whether the terminal law lands.
@@ -35,14 +37,25 @@ pub struct Scheme {
 }
 
 /// A plan each half second and every law on: how this guidance lands.
-pub const CLOSED_LOOP: Scheme =
-    Scheme { name: "closed-loop", replan_s: 0.5, tracking: true, terminal_law: true };
-/// A plan each ten seconds and nothing in between: the paper's.
-pub const PAPER: Scheme =
-    Scheme { name: "paper", replan_s: 10.0, tracking: false, terminal_law: false };
+pub const CLOSED_LOOP: Scheme = Scheme {
+    name: "closed-loop",
+    replan_s: 0.5,
+    compensation: true,
+    tracking: true,
+    terminal_law: true,
+};
+/// The same laws, a plan each ten seconds.
+pub const SLOW: Scheme = Scheme { name: "slow", replan_s: 10.0, ..CLOSED_LOOP };
+/// A plan each ten seconds down to the cut-off, flown without feedback in between: the paper's.
+pub const PAPER: Scheme = Scheme {
+    name: "paper",
+    replan_s: 10.0,
+    compensation: false,
+    tracking: false,
+    terminal_law: false,
+};
 /// The first plan's thrust, to the end.
-pub const OPEN_LOOP: Scheme =
-    Scheme { name: "open-loop", replan_s: 60.0, tracking: false, terminal_law: false };
+pub const OPEN_LOOP: Scheme = Scheme { name: "open-loop", replan_s: 60.0, ..PAPER };
 
 /// How one descent ended.
 #[derive(Clone, Debug, Serialize)]
@@ -66,9 +79,10 @@ impl Scheme {
     pub fn scenario_text(&self, vehicle: &str, seed: u64) -> String {
         let on = |on| if on { "on" } else { "off" };
         let laws = format!(
-            "[guidance]\nreplan_period = {{ value = {:?}, unit = \"s\" }}\ntracking = \"{}\"\n\
-             terminal_law = \"{}\"",
+            "[guidance]\nreplan_period = {{ value = {:?}, unit = \"s\" }}\n\
+             compensation = \"{}\"\ntracking = \"{}\"\nterminal_law = \"{}\"",
             self.replan_s,
+            on(self.compensation),
             on(self.tracking),
             on(self.terminal_law)
         );
@@ -115,9 +129,10 @@ fn last_row(
 ) -> Result<Vec<f64>, ModelError> {
     let guidance = Guidance::new(&scenario, vehicle.clone());
     let (stop_time, mut last) = (scenario.stop_time, Vec::new());
+    let guidance_start = guidance.initial_state();
     let truth = TruthModel::new(scenario, vehicle.clone());
     let start = truth.initial_state();
-    let mut master = Master::of(schedule, (truth, start), (guidance, Default::default()));
+    let mut master = Master::of(schedule, (truth, start), (guidance, guidance_start));
     master.run::<ModelError>(stop_time, |row| {
         last.clear();
         last.extend_from_slice(row);

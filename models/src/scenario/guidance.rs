@@ -27,6 +27,8 @@ pub struct Guidance {
     pub plan_thrust_min_n: f64,
     pub plan_thrust_max_n: f64,
     pub replan_period: Ticks,
+    /// Whether the engine's errors are estimated and taken out of the commands.
+    pub compensation: bool,
     /// Whether a plan's path is followed; else its thrust is flown as planned, without feedback.
     pub tracking: bool,
     /// Whether the plan ends at the gate and the terminal law lands; else it ends at cut-off.
@@ -65,6 +67,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
             900.0,
         )?,
         plan_thrust_max_n,
+        compensation: s.choice("compensation", &["on", "off"])? == "on",
         tracking: s.choice("tracking", &["on", "off"])? == "on",
         terminal_law: s.choice("terminal_law", &["on", "off"])? == "on",
         replan_period: Ticks::from_seconds(replan_s)
