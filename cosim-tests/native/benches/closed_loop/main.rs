@@ -2,7 +2,6 @@
 //! guidance lands under the paper's perturbations, beside the paper's scheme and an open loop. One
 //! table in one run; every run that ended badly is left as a scenario file.
 
-mod binomial;
 mod table;
 
 use std::error::Error;

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use cosim::binomial::lower_limit;
 use cosim::descents::{Descent, Scheme, Spread};
 use serde::Serialize;
-
-use crate::binomial::lower_limit;
 
 /// All descents of a scheme.
 #[derive(Serialize)]

@@ -29,3 +29,23 @@ fn tail(k: usize, n: usize, p: f64) -> f64 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_those_of_the_closed_forms_and_of_scipy() {
+        // All: p^n = 0.05. One: 1 - (1 - p)^n = 0.05. Else scipy.stats.beta.ppf(0.05, k, n - k + 1).
+        for (k, n, expected) in [
+            (0, 10, 0.0),
+            (1000, 1000, 0.05_f64.powf(1e-3)),
+            (1, 20, 1.0 - 0.95_f64.powf(0.05)),
+            (58, 60, 0.8987641050758384),
+            (995, 1000, 0.9895159230885844),
+        ] {
+            // Sums of logarithms up to ln 1000!, 5900, in double precision: some 1e-12 of a tail.
+            assert!((lower_limit(k, n) - expected).abs() < 1e-10, "{k} of {n}");
+        }
+    }
+}
