@@ -3,6 +3,7 @@
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 
 /// Loop gains: attitude error to rate and rate error to acceleration, 1/s.
@@ -23,6 +24,9 @@ const ON_THRUSTERS: Gains =
 /// Below this thrust the gimbal's torque is not relied on.
 const GIMBAL_THRUST_MIN_N: f64 = 400.0;
 
+/// The gimbal's angle so far ahead decides what is left for the thrusters, s: one control step.
+const LOOK_AHEAD_S: f64 = 0.01;
+
 /// Commands of one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Torquers {
@@ -31,17 +35,18 @@ pub struct Torquers {
 }
 
 /// Turns the vehicle so that a thrust through the centre of mass points along `up_w` and body x
-/// keeps its heading towards world x. `thrust_n` is the thrust expected now.
+/// keeps its heading towards world x.
 ///
 /// `up_rate_w` is the angular velocity of `up_w` itself, rad/s: a turn that is planned needs no
 /// error to follow.
 pub fn control(
     vehicle: &Vehicle,
     nav: &Navigation,
+    engine: &EngineEstimate,
     up_w: &Vector3<f64>,
     up_rate_w: &Vector3<f64>,
-    thrust_n: f64,
 ) -> Torquers {
+    let thrust_n = engine.thrust_n();
     let gains = if thrust_n > GIMBAL_THRUST_MIN_N { ON_GIMBAL } else { ON_THRUSTERS };
     let wanted_wb = attitude_for(vehicle, nav, up_w, thrust_n);
     let error_b = (wanted_wb.inverse() * nav.attitude_wb).scaled_axis();
@@ -51,7 +56,7 @@ pub fn control(
     // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
-    allocate(vehicle, nav, &torque_b, thrust_n)
+    allocate(vehicle, nav, engine, &torque_b)
 }
 
 /// Attitude whose trimmed thrust line is `up_w` (G.35).
@@ -72,28 +77,32 @@ fn attitude_for(
     UnitQuaternion::from_rotation_matrix(&frame) * trim
 }
 
-/// Gimbal first, thrusters for what it can't give (G.37).
+/// Gimbal first; thrusters for what it can't give, or not in time (G.37).
 fn allocate(
     vehicle: &Vehicle,
     nav: &Navigation,
+    engine: &EngineEstimate,
     torque_b: &Vector3<f64>,
-    thrust_n: f64,
 ) -> Torquers {
+    let thrust_n = engine.thrust_n();
     let limit_rad = vehicle.engine.gimbal_limit_rad;
     let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
     let mut left_b = *torque_b;
     let mut gimbal_rad = Vector2::zeros();
     if thrust_n > GIMBAL_THRUST_MIN_N {
         let lever_nm = arm_b.z * thrust_n;
-        gimbal_rad = Vector2::new(
+        let wanted_rad = Vector2::new(
             (torque_b.x - arm_b.y * thrust_n) / lever_nm,
             (torque_b.y + arm_b.x * thrust_n) / lever_nm,
-        )
-        .map(|angle| angle.clamp(-limit_rad, limit_rad));
-        left_b.x -= lever_nm * gimbal_rad.x + arm_b.y * thrust_n;
-        left_b.y -= lever_nm * gimbal_rad.y - arm_b.x * thrust_n;
+        );
+        let command_rad = wanted_rad - engine.pointing_rad;
+        gimbal_rad = command_rad.map(|angle| angle.clamp(-limit_rad, limit_rad));
+        let line_rad = engine.gimbal_after_rad(&vehicle.engine, &gimbal_rad, LOOK_AHEAD_S)
+            + engine.pointing_rad;
+        left_b.x -= lever_nm * line_rad.x + arm_b.y * thrust_n;
+        left_b.y -= lever_nm * line_rad.y - arm_b.x * thrust_n;
         // A centre of mass off the axis lets the gimbal roll the vehicle a little.
-        left_b.z += thrust_n * (arm_b.x * gimbal_rad.x + arm_b.y * gimbal_rad.y);
+        left_b.z += thrust_n * (arm_b.x * line_rad.x + arm_b.y * line_rad.y);
     }
     let rcs_torque_b =
         left_b.zip_map(&vehicle.rcs.torque_max_b, |torque, max| torque.clamp(-max, max));
@@ -102,6 +111,7 @@ fn allocate(
 
 #[cfg(test)]
 mod tests {
+    use lander_models::Ticks;
     use lander_models::signals::{ATTITUDE_WB, GUIDANCE, MASS_KG};
 
     use super::*;
@@ -119,20 +129,53 @@ mod tests {
         Navigation::read(vehicle, &inputs).unwrap()
     }
 
+    /// An engine that has settled at a thrust with its gimbal centred.
+    fn running(vehicle: &Vehicle, thrust_n: f64) -> EngineEstimate {
+        let mut engine = EngineEstimate::default();
+        engine.expect(&vehicle.engine, thrust_n, &Vector2::zeros(), Ticks(10_000));
+        engine
+    }
+
+    /// Torque of a thrust line at these angles, written down again: body z turned about x, then y.
+    fn torque_b(nav: &Navigation, vehicle: &Vehicle, line_rad: Vector2<f64>) -> Vector3<f64> {
+        let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), line_rad.x);
+        let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), line_rad.y);
+        let force_b = about_y * about_x * Vector3::z() * 2000.0;
+        (vehicle.engine.pivot_b - nav.mass.com_b).cross(&force_b)
+    }
+
     #[test]
-    fn the_gimbal_gives_the_torque_that_is_asked_for() {
+    fn gimbal_and_thrusters_give_the_torque_that_is_asked_for() {
         let vehicle = bug();
         let nav = upright(&vehicle);
-        let (thrust_n, asked_b) = (2000.0, Vector3::new(30.0, -40.0, 5.0));
-        let given = allocate(&vehicle, &nav, &asked_b, thrust_n);
-        // The thrust line written down again: body z turned about x, then about y.
-        let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), given.gimbal_rad.x);
-        let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), given.gimbal_rad.y);
-        let force_b = about_y * about_x * Vector3::z() * thrust_n;
-        let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
-        let torque_b = arm_b.cross(&force_b) + given.rcs_torque_b;
-        // First order in the angle: what is left is δ²/2 of the torque, below 0.1 % at 2°.
-        assert!((torque_b - asked_b).norm() < 1e-3 * asked_b.norm(), "{torque_b}");
+        let asked_b = Vector3::new(20.0, -25.0, 5.0);
+        let mut engine = running(&vehicle, 2000.0);
+        // At once thrusters give what the gimbal has yet to turn to; in the end the gimbal does all.
+        for steps in 0..100 {
+            let given = allocate(&vehicle, &nav, &engine, &asked_b);
+            let soon_rad =
+                engine.gimbal_after_rad(&vehicle.engine, &given.gimbal_rad, LOOK_AHEAD_S);
+            let torque_b = torque_b(&nav, &vehicle, soon_rad) + given.rcs_torque_b;
+            // First order in the angle: what is left is δ²/2 of the torque, below 0.1 % at 2°.
+            assert!((torque_b - asked_b).norm() < 1e-3 * asked_b.norm(), "{torque_b}");
+            let by_thrusters = given.rcs_torque_b.xy().norm() / asked_b.xy().norm();
+            assert!(steps > 0 || by_thrusters > 0.5, "{by_thrusters} at once");
+            assert!(steps < 99 || by_thrusters < 1e-3, "{by_thrusters} in the end");
+            engine.expect(&vehicle.engine, 2000.0, &given.gimbal_rad, Ticks(10));
+        }
+    }
+
+    #[test]
+    fn a_thrust_line_known_to_be_off_is_trimmed_out() {
+        let vehicle = bug();
+        let nav = upright(&vehicle);
+        let mut engine = running(&vehicle, 2000.0);
+        engine.pointing_rad = Vector2::new(0.03, -0.02);
+        let asked_b = Vector3::new(10.0, -20.0, 0.0);
+        let given = allocate(&vehicle, &nav, &engine, &asked_b);
+        let torque_b = torque_b(&nav, &vehicle, given.gimbal_rad + engine.pointing_rad);
+        // First order in the angle, as above.
+        assert!((torque_b - asked_b).xy().norm() < 1e-3 * asked_b.norm(), "{torque_b}");
     }
 
     #[test]
@@ -140,10 +183,10 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let asked_b = Vector3::new(200.0, 0.0, 0.0);
-        let given = allocate(&vehicle, &nav, &asked_b, 1000.0);
+        let given = allocate(&vehicle, &nav, &running(&vehicle, 1000.0), &asked_b);
         assert_eq!(given.gimbal_rad.x.abs(), vehicle.engine.gimbal_limit_rad);
         assert_eq!(given.rcs_torque_b.x, vehicle.rcs.torque_max_b.x);
-        let engine_off = allocate(&vehicle, &nav, &asked_b, 0.0);
+        let engine_off = allocate(&vehicle, &nav, &EngineEstimate::default(), &asked_b);
         assert_eq!(engine_off.gimbal_rad, Vector2::zeros());
     }
 
@@ -166,7 +209,7 @@ mod tests {
             let mut nav = upright(&vehicle);
             nav.attitude_wb = UnitQuaternion::from_axis_angle(&axis, 0.1);
             let still = Vector3::zeros();
-            let given = control(&vehicle, &nav, &Vector3::z(), &still, 0.0);
+            let given = control(&vehicle, &nav, &EngineEstimate::default(), &Vector3::z(), &still);
             assert!(given.rcs_torque_b.dot(&axis) < 0.0, "about {axis:?}");
         }
     }

@@ -8,6 +8,7 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 
 /// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
@@ -52,6 +53,7 @@ pub fn demand(
     gravity_m_s2: f64,
     task: &Task,
     nav: &Navigation,
+    engine: &EngineEstimate,
     aim: Aim,
     braking: &mut Braking,
 ) -> Demand {
@@ -59,8 +61,9 @@ pub fn demand(
     let height_m = (nav.altimeter_m - task.cutoff_height_m).max(0.05);
     let needed_m_s2 =
         (speed_m_s.abs() * speed_m_s - task.cutoff_speed_m_s.powi(2)) / (2.0 * height_m);
-    let floor_m_s2 = vehicle.engine.thrust_min_n / nav.mass.mass_kg - gravity_m_s2;
-    let ceiling_m_s2 = vehicle.engine.thrust_max_n / nav.mass.mass_kg - gravity_m_s2;
+    let net_m_s2 = |thrust_n: f64| engine.scale * thrust_n / nav.mass.mass_kg - gravity_m_s2;
+    let floor_m_s2 = net_m_s2(vehicle.engine.thrust_min_n);
+    let ceiling_m_s2 = net_m_s2(vehicle.engine.thrust_max_n);
     let start_m_s2 = match aim {
         Aim::Target(_) => task.terminal_deceleration_m_s2,
         Aim::Below => FALLBACK_SHARE * ceiling_m_s2,
@@ -101,7 +104,7 @@ fn lateral_demand(
 
 /// Cut-off by speed, height or leg probe (G.34). Speed counts what the tail-off still gives.
 pub fn cut_off(vehicle: &Vehicle, task: &Task, nav: &Navigation, thrust_n: f64) -> bool {
-    let tail_off_m_s = thrust_n * vehicle.engine.thrust_lag_s / nav.mass.mass_kg;
+    let tail_off_m_s = thrust_n * vehicle.engine.tail_off_lag_s / nav.mass.mass_kg;
     let slow = nav.velocity_w.z + tail_off_m_s >= -task.cutoff_speed_m_s
         && nav.altimeter_m < 2.0 * task.cutoff_height_m + 1.0;
     slow || nav.altimeter_m <= task.cutoff_height_m || nav.any_foot_down
@@ -131,11 +134,15 @@ mod tests {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
         let task = &scenario.guidance;
         let cut = |nav: &Navigation| cut_off(&vehicle, task, nav, 1000.0);
-        assert!(!cut(&descending(&vehicle, 2.0, 3.0)), "still fast and high");
+        assert!(!cut(&descending(&vehicle, 1.8, 3.0)), "still fast and high");
         // 1000 N over a lag of 0.1 s give 0.4 m/s more: 0.7 m/s now is 0.3 m/s after the tail-off.
-        assert!(cut(&descending(&vehicle, 2.0, 0.69)), "slow enough");
-        assert!(!cut(&descending(&vehicle, 2.0, 0.71)), "not slow enough");
-        assert!(cut(&descending(&vehicle, 0.59, 3.0)), "at the cut-off height");
+        assert!(cut(&descending(&vehicle, 1.8, 0.69)), "slow enough");
+        assert!(!cut(&descending(&vehicle, 1.8, 0.71)), "not slow enough");
+        assert!(!cut(&descending(&vehicle, task.cutoff_height_m + 0.01, 3.0)), "still above it");
+        assert!(
+            cut(&descending(&vehicle, task.cutoff_height_m - 0.01, 3.0)),
+            "at the cut-off height"
+        );
         assert!(!cut(&descending(&vehicle, 9.0, 0.1)), "slow but high: braking waits instead");
         let mut probed = descending(&vehicle, 2.0, 3.0);
         probed.any_foot_down = true;
@@ -147,21 +154,22 @@ mod tests {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
         let (task, gravity) = (&scenario.guidance, scenario.gravity_m_s2);
         let aim = Aim::Target(task.target_w);
+        let engine = EngineEstimate::default();
         // On the planned parabola at 8 m: a = 3 m/s² is exactly what is needed.
         let height_m = 8.0 - task.cutoff_height_m;
         let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * 3.0 * height_m).sqrt();
         let mut braking = Braking { engine_on: true };
         let nav = descending(&vehicle, 8.0, speed_m_s);
-        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
         let vertical = asked.thrust_acceleration_w.unwrap().z;
         assert!((vertical - gravity - 3.0).abs() < 1e-12, "{vertical} m/s²");
         // Far too slow for the height: the floor would lift it, so the engine waits.
         let nav = descending(&vehicle, 8.0, 1.0);
-        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
         assert!(asked.thrust_acceleration_w.is_none() && !braking.engine_on);
         // Far too fast: full thrust, no more.
         let nav = descending(&vehicle, 2.0, 20.0);
-        let asked = demand(&vehicle, gravity, task, &nav, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
         let most_m_s2 = vehicle.engine.thrust_max_n / nav.mass.mass_kg;
         assert!((asked.thrust_acceleration_w.unwrap().z - most_m_s2).abs() < 1e-9);
     }

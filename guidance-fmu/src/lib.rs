@@ -10,6 +10,8 @@ pub mod six_dof;
 
 mod attitude;
 mod descent;
+mod disturbance;
+mod guard;
 mod mission;
 mod model;
 mod planning;

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::descent::{self, Aim, Braking};
+use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 use crate::planning::Planning;
 
@@ -77,8 +78,7 @@ pub struct Context<'a> {
     pub gravity_m_s2: f64,
     pub now: Ticks,
     pub nav: &'a Navigation,
-    /// Thrust expected now, N.
-    pub thrust_n: f64,
+    pub engine: &'a EngineEstimate,
 }
 
 impl Mission {
@@ -99,7 +99,7 @@ impl Mission {
     }
 
     fn change_phase(&mut self, context: &Context) {
-        let Context { vehicle, task, gravity_m_s2, now, nav, thrust_n } = *context;
+        let Context { vehicle, task, gravity_m_s2, now, nav, engine } = *context;
         match self.phase {
             Phase::Standby => match task.mode {
                 GuidanceMode::Off => {}
@@ -110,13 +110,15 @@ impl Mission {
             Phase::Coast | Phase::Burn => {
                 self.planning.update(vehicle, gravity_m_s2, task, now, nav);
                 let over = self.planning.flown.as_ref().is_none_or(|f| f.time_to_go_s(now) <= 0.0);
-                if over {
+                if nav.any_foot_down || over && !task.terminal_law {
+                    self.phase = Phase::CutOff;
+                } else if over {
                     self.phase = Phase::Terminal;
                     self.braking.engine_on = true;
                 }
             }
             Phase::Terminal | Phase::FallBack => {
-                if descent::cut_off(vehicle, task, nav, thrust_n) {
+                if descent::cut_off(vehicle, task, nav, engine.thrust_n()) {
                     self.phase = Phase::CutOff;
                 }
             }
@@ -133,10 +135,10 @@ impl Mission {
     /// Feed-forward of the plan with feedback on its path (G.30). Commands lead by the engine's
     /// lag, so that the thrust itself is in time.
     fn follow_plan(&mut self, context: &Context) -> Orders {
-        let Context { vehicle, now, nav, .. } = *context;
+        let Context { vehicle, now, nav, engine, .. } = *context;
         let Some(flown) = &self.planning.flown else { return Orders::NONE };
         let elapsed_s = flown.elapsed_s(now);
-        let ahead_s = elapsed_s + vehicle.engine.thrust_lag_s;
+        let ahead_s = elapsed_s + engine.lead_s(&vehicle.engine);
         let ahead = flown.plan.sample(ahead_s);
         let powered = ahead_s >= 0.0 && ahead.powered;
         self.phase = if powered { Phase::Burn } else { Phase::Coast };
@@ -145,8 +147,12 @@ impl Mission {
             return Orders::coast(up_w);
         }
         let reference = flown.plan.sample(elapsed_s.max(0.0));
-        let feedback_w = (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
-            + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S;
+        let feedback_w = if context.task.tracking {
+            (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
+                + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S
+        } else {
+            Vector3::zeros()
+        };
         let direction = |t_s: f64| {
             flown.plan.smoothed_direction(t_s, DIRECTION_WINDOW_S).unwrap_or(Vector3::z())
         };
@@ -160,8 +166,9 @@ impl Mission {
     }
 
     fn descend(&mut self, context: &Context, aim: Aim) -> Orders {
-        let Context { vehicle, task, gravity_m_s2, nav, .. } = *context;
-        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, aim, &mut self.braking);
+        let Context { vehicle, task, gravity_m_s2, nav, engine, .. } = *context;
+        let braking = &mut self.braking;
+        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, engine, aim, braking);
         match demand.thrust_acceleration_w {
             Some(acceleration_w) => powered_orders(context, &acceleration_w),
             None => Orders::coast(demand.up_w),
@@ -176,12 +183,11 @@ fn lift_off(context: &Context) -> Orders {
 
 /// Thrust acceleration within tilt limit and throttle range.
 fn powered_orders(context: &Context, acceleration_w: &Vector3<f64>) -> Orders {
-    let Context { vehicle, task, nav, .. } = *context;
+    let Context { vehicle, task, nav, engine, .. } = *context;
     let up_w = within_tilt(acceleration_w, task.tilt_max_rad);
     let thrust_n = acceleration_w.dot(&up_w) * nav.mass.mass_kg;
-    let engine = &vehicle.engine;
     Orders {
-        thrust_n: thrust_n.clamp(engine.thrust_min_n, engine.thrust_max_n),
+        thrust_n: engine.command_n(&vehicle.engine, thrust_n),
         up_w,
         hold_attitude: true,
         ..Orders::NONE

@@ -10,6 +10,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
+use crate::disturbance::EngineEstimate;
+use crate::guard;
 use crate::mission::{Context, Mission, Orders};
 use crate::navigation::{Actuation, Estimator, Inputs, Navigation, Navigator, Solution};
 
@@ -29,8 +31,7 @@ pub struct Guidance {
 pub struct State {
     pub now: Ticks,
     pub mission: Mission,
-    /// Thrust that the engine should give now, by its nominal lag.
-    thrust_n: f64,
+    engine: EngineEstimate,
     commands: Commands,
     /// Present where the guidance has a navigator.
     estimator: Option<Estimator>,
@@ -70,10 +71,17 @@ impl Guidance {
             return Solution::perfect(inputs);
         };
         let Commands { gimbal_rad, rcs_torque_b, .. } = state.commands;
-        let actuation =
-            Actuation { thrust_n: state.thrust_n, gimbal_rad, rcs_torque_b: rcs_torque_b.into() };
+        let actuation = Actuation {
+            thrust_n: state.engine.thrust_n(),
+            gimbal_rad,
+            rcs_torque_b: rcs_torque_b.into(),
+        };
         navigator.step(estimator, state.now, inputs, &actuation)?;
-        Ok(navigator.solution(estimator, state.now))
+        let solution = navigator.solution(estimator, state.now);
+        // At the IMU's mounting: what the turn adds there is little, and averaged.
+        let specific_force_b = inputs.imu.specific_force_b - solution.accelerometer_bias_b;
+        let specific_force_b = inputs.valid.imu.then_some(specific_force_b);
+        Ok(Solution { specific_force_b, ..solution })
     }
 
     fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
@@ -83,24 +91,47 @@ impl Guidance {
             gravity_m_s2: self.gravity_m_s2,
             now: state.now,
             nav,
-            thrust_n: state.thrust_n,
+            engine: &state.engine,
         };
         state.mission.step(&context)
     }
 
-    /// Follows the nominal first-order lag through `duration` of a held command, and the
-    /// propellant that it takes.
-    fn expect_thrust(&self, state: &mut State, duration: Ticks) {
-        let lag_s = self.vehicle.engine.thrust_lag_s;
-        let decay = (-duration.seconds() / lag_s).exp();
-        let command_n = state.commands.thrust_n;
-        let excess_n = state.thrust_n - command_n;
+    fn fly(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<StepReport, ModelError> {
+        guard::check(inputs)?;
+        let inputs = Inputs::read(inputs);
+        state.solution = self.navigate(state, &inputs)?;
+        let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);
+        let phase = state.mission.phase;
+        if let (true, Some(specific_force_b)) = (self.task.compensation, nav.specific_force_b) {
+            state.engine.learn(&specific_force_b, nav.mass.mass_kg, duration);
+        }
+        let orders = self.orders(state, &nav);
+        let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
+            attitude::control(&self.vehicle, &nav, &state.engine, &orders.up_w, &orders.up_rate_w)
+        } else {
+            Torquers::default()
+        };
+        state.commands = Commands {
+            thrust_n: orders.thrust_n,
+            gimbal_rad: torquers.gimbal_rad.into(),
+            rcs_torque_b: torquers.rcs_torque_b.into(),
+            up_w: orders.up_w.into(),
+        };
+        self.note_plan(state, &nav);
+        let Commands { thrust_n, gimbal_rad, .. } = state.commands;
+        state.engine.expect(&self.vehicle.engine, thrust_n, &gimbal_rad.into(), duration);
         if let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) {
-            let impulse_n_s = command_n * duration.seconds() + excess_n * lag_s * (1.0 - decay);
             let torque_n_m: f64 = state.commands.rcs_torque_b.iter().map(|t| t.abs()).sum();
+            let impulse_n_s = state.engine.nominal_impulse_n_s(duration);
             navigator.spend(estimator, impulse_n_s, torque_n_m * duration.seconds());
         }
-        state.thrust_n = command_n + excess_n * decay;
+        state.now += duration;
+        Ok(StepReport { event: state.mission.phase != phase, terminate: false })
     }
 
     fn note_plan(&self, state: &mut State, nav: &Navigation) {
@@ -122,32 +153,19 @@ impl Component for Guidance {
         Ok((guidance, state))
     }
 
+    /// Inputs that are refused leave the safe command: engine and thrusters off, gimbal centred.
+    /// Thrust in a direction that nobody knows is worse than none.
     fn step(
         &self,
         state: &mut State,
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
-        let inputs = Inputs::read(inputs);
-        state.solution = self.navigate(state, &inputs)?;
-        let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);
-        let phase = state.mission.phase;
-        let orders = self.orders(state, &nav);
-        let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
-            attitude::control(&self.vehicle, &nav, &orders.up_w, &orders.up_rate_w, state.thrust_n)
-        } else {
-            Torquers::default()
-        };
-        state.commands = Commands {
-            thrust_n: orders.thrust_n,
-            gimbal_rad: torquers.gimbal_rad.into(),
-            rcs_torque_b: torquers.rcs_torque_b.into(),
-            up_w: orders.up_w.into(),
-        };
-        self.note_plan(state, &nav);
-        self.expect_thrust(state, duration);
-        state.now += duration;
-        Ok(StepReport { event: state.mission.phase != phase, terminate: false })
+        let stepped = self.fly(state, inputs, duration);
+        if stepped.is_err() {
+            state.commands = Commands::default();
+        }
+        stepped
     }
 
     fn outputs(&self, state: &State, outputs: &mut [f64]) {

@@ -178,7 +178,7 @@ fn problem(
     let braking_s = v_f_w.norm() / task.terminal_deceleration_m_s2;
     let reserve_kg = nav.mass.mass_kg * (v_f_w.norm() + gravity_m_s2 * braking_s)
         / (vehicle.engine.isp_s * G0_M_S2);
-    let lowest_m = task.target_w.z + nav.mass.com_b.z + PATH_HEIGHT_MIN_M.min(task.gate_height_m);
+    let lowest_m = r_f_w.z.min(task.target_w.z + nav.mass.com_b.z + PATH_HEIGHT_MIN_M);
     // A start below it is where the vehicle is: only to sink further is refused.
     let lowest_m = lowest_m.min(nav.position_w.z);
     Problem {
@@ -214,8 +214,9 @@ fn problem(
 /// that its deceleration takes off down to the cut-off height (G.33).
 pub fn gate(task: &Task, nav: &Navigation) -> (Vector3<f64>, Vector3<f64>) {
     let com_height_m = nav.mass.com_b.z;
-    let position_w = task.target_w + Vector3::z() * (task.gate_height_m + com_height_m);
-    let braking_m = (task.gate_height_m - task.cutoff_height_m).max(0.0);
+    let gate_height_m = if task.terminal_law { task.gate_height_m } else { task.cutoff_height_m };
+    let position_w = task.target_w + Vector3::z() * (gate_height_m + com_height_m);
+    let braking_m = (gate_height_m - task.cutoff_height_m).max(0.0);
     let speed_m_s =
         (task.cutoff_speed_m_s.powi(2) + 2.0 * task.terminal_deceleration_m_s2 * braking_m).sqrt();
     (position_w, Vector3::z() * -speed_m_s)

@@ -132,7 +132,7 @@ fn attitude_costs_a_few_percent_of_the_translation() {
         .map(|(problem, plan)| {
             let mut translation = problem.translation(0.0);
             translation.tilt_max_rad += problem.actuators.gimbal_max_rad;
-            let bound = scvx::plan(&translation, &scvx::Settings::default()).expect("feasible");
+            let bound = scvx::solve(&translation, &scvx::Settings::default()).expect("feasible");
             plan.propellant_kg() / bound.propellant_kg()
         })
         .collect();

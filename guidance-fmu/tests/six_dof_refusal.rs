@@ -2,7 +2,7 @@
 
 mod six_dof_scenarios;
 
-use guidance_fmu::scvx::{PlanError, Structure};
+use guidance_fmu::scvx::{PlanError, Propulsion};
 use guidance_fmu::six_dof::{SixDofError, SixDofProblem, SixDofSettings, solve};
 use nalgebra::{UnitQuaternion, Vector3};
 use six_dof_scenarios::descent;
@@ -24,7 +24,7 @@ fn a_body_that_cannot_turn() {
 
 #[test]
 fn a_translation_without_a_plan() {
-    let settings = SixDofSettings { structure: Some(Structure::On), ..SixDofSettings::default() };
+    let settings = SixDofSettings { propulsion: Propulsion::AlwaysOn, ..SixDofSettings::default() };
     let error = refusal(&descent(), &settings);
     assert!(matches!(error, SixDofError::Translation(PlanError::Tilt { .. })), "{error}");
 }

@@ -30,6 +30,8 @@ pub enum ModelError {
     Config(#[from] ConfigError),
     #[error("input {name} is {value}: inputs must be finite")]
     NonFiniteInput { name: String, value: f64 },
+    #[error("input {name} is {value}: must be within {low:e} and {high:e}")]
+    AbsurdInput { name: String, value: f64, low: f64, high: f64 },
     #[error("input {name} has norm {norm}: must be within 1e-3 of 1")]
     NotAUnit { name: &'static str, norm: f64 },
     #[error("state became non-finite at t = {time_s} s: {what}")]

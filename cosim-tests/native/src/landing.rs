@@ -50,6 +50,8 @@ pub enum Error {
     Row { row: u64, reason: UnknownOutcome },
     #[error("the run ended before its first row")]
     NoRows,
+    #[error("threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("Ctrl-C cannot be caught: {0}")]
     Interrupt(#[from] ctrlc::Error),
 }

@@ -3,6 +3,8 @@
 //! The FMPy master sends its rows to the same recorder through `lander record`, so two runs
 //! with equal rows leave equal files whoever produced them.
 
+pub mod binomial;
+pub mod descents;
 pub mod landing;
 pub mod layout;
 pub mod master;

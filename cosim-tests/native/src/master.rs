@@ -25,11 +25,15 @@ struct Instance<C: Component> {
 impl<C: Component> Instance<C> {
     fn new(settings: &Settings) -> Result<Self, ModelError> {
         let (component, state) = C::create(settings)?;
+        Ok(Self::of(component, state))
+    }
+
+    fn of(component: C, state: C::State) -> Self {
         let starts = C::INTERFACE.inputs.iter();
         let inputs = starts.flat_map(|s| (0..s.size).map(|index| s.start_of(index))).collect();
         let mut outputs = vec![0.0; C::INTERFACE.output_len()];
         component.outputs(&state, &mut outputs);
-        Ok(Self { component, state, inputs, outputs })
+        Self { component, state, inputs, outputs }
     }
 }
 
@@ -73,6 +77,24 @@ impl<'a> Master<'a> {
         let guidance = Box::new(Instance::<G>::new(settings)?);
         let participants = Pair { truth: truth as _, guidance: guidance as _ };
         Ok(Self { schedule, participants, time: Ticks::ZERO, row: Vec::new() })
+    }
+
+    /// As `new`, for components that were made in memory, each with its state at t = 0.
+    pub fn of<T, G>(
+        schedule: &'a Schedule,
+        (truth, truth_state): (T, T::State),
+        (guidance, guidance_state): (G, G::State),
+    ) -> Self
+    where
+        T: Component + 'static,
+        G: Component + 'static,
+        T::State: 'static,
+        G::State: 'static,
+    {
+        let truth = Box::new(Instance::of(truth, truth_state));
+        let guidance = Box::new(Instance::of(guidance, guidance_state));
+        let participants = Pair { truth: truth as _, guidance: guidance as _ };
+        Self { schedule, participants, time: Ticks::ZERO, row: Vec::new() }
     }
 
     /// Runs until a component asks for the end, `stop_time` is reached, or `on_row` breaks.

@@ -15,6 +15,8 @@ pub struct Inputs {
     pub velocity_w: Vector3<f64>,
     attitude_wxyz: [f64; 4],
     pub rate_b: Vector3<f64>,
+    /// Non-gravitational acceleration of the centre of mass, mean of the last step.
+    pub specific_force_b: Vector3<f64>,
     pub mass_kg: f64,
     pub altimeter_m: f64,
     pub any_foot_down: bool,
@@ -45,8 +47,7 @@ impl Inputs {
         let velocity_w = reader.take::<3>().into();
         let attitude_wxyz = reader.take();
         let rate_b = reader.take::<3>().into();
-        // The true specific force serves disturbance estimators; there is none.
-        reader.take::<3>();
+        let true_force_b = reader.take::<3>().into();
         let [mass_kg] = reader.take();
         let [altimeter_m] = reader.take();
         let feet: [f64; FOOT_SLOTS] = reader.take();
@@ -64,6 +65,7 @@ impl Inputs {
             velocity_w,
             attitude_wxyz,
             rate_b,
+            specific_force_b: true_force_b,
             mass_kg,
             altimeter_m,
             any_foot_down: feet.iter().any(|down| *down > 0.5),

@@ -34,6 +34,8 @@ pub struct Navigation {
     pub velocity_w: Vector3<f64>,
     pub attitude_wb: Attitude,
     pub rate_b: Vector3<f64>,
+    /// Non-gravitational acceleration, mean of the last step or IMU period; `None` while unknown.
+    pub specific_force_b: Option<Vector3<f64>>,
     pub mass: MassProperties,
     /// Of the structural origin O above the ground below it.
     pub altimeter_m: f64,
@@ -50,6 +52,7 @@ impl Navigation {
             velocity_w: velocity_w + attitude_wb * rate_b.cross(&mass.com_b),
             attitude_wb,
             rate_b,
+            specific_force_b: solution.specific_force_b,
             mass,
             altimeter_m: solution.height_m,
             any_foot_down,
@@ -75,6 +78,8 @@ pub struct Solution {
     /// Above the ground below.
     pub height_m: f64,
     pub mass_kg: f64,
+    /// Non-gravitational acceleration, mean of the last step or IMU period; `None` while unknown.
+    pub specific_force_b: Option<Vector3<f64>>,
     pub gyro_bias_b: Vector3<f64>,
     pub accelerometer_bias_b: Vector3<f64>,
     pub sigma: Sigma,
@@ -104,6 +109,7 @@ impl Solution {
             rate_b: inputs.rate_b,
             height_m: inputs.altimeter_m,
             mass_kg: inputs.mass_kg,
+            specific_force_b: Some(inputs.specific_force_b),
             ..Self::default()
         })
     }

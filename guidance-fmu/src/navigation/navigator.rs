@@ -206,6 +206,8 @@ impl Navigator {
         let position = sensors::point_sensitivity(&nominal, &arm_b);
         let (height_m, height) = self.ground.height_m(&nominal, &arm_b);
         Solution {
+            // As measured, not as predicted: the caller has the IMU's sample.
+            specific_force_b: None,
             position_w,
             velocity_w: nominal.velocity_w + nominal.attitude_wb * rate_b.cross(&arm_b),
             attitude_wb: nominal.attitude_wb,

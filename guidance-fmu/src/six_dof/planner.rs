@@ -10,7 +10,7 @@ use super::problem::{SixDofProblem, SixDofSettings};
 use super::subproblem::{Margin, Subproblem};
 use super::trajectory::{Grid, Iterate, Scale, Trajectory};
 use super::verify;
-use crate::scvx::{self, Program};
+use crate::scvx::{self, Problem, Program};
 
 /// Virtual control (scaled sum) above which the dynamics and the limits don't meet.
 const VIRTUAL_CONTROL_MAX: f64 = 1e-6;
@@ -138,8 +138,8 @@ fn translation(
         }
     }
     let turn_s = if start.attitude_wb.is_some() { settings.turn_s } else { 0.0 };
-    let settings = scvx::Settings { structure: settings.structure, ..scvx::Settings::default() };
-    let plan = scvx::plan(&problem.translation(turn_s), &settings);
+    let translation = Problem { propulsion: settings.propulsion, ..problem.translation(turn_s) };
+    let plan = scvx::solve(&translation, &scvx::Settings::default());
     Ok(Translation { plan: plan.map_err(SixDofError::Translation)?, turn_s })
 }
 

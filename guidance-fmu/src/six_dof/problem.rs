@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::dynamics::Dynamics;
 use super::error::SixDofError;
-use crate::scvx::{PathLimits, Problem, Structure};
+use crate::scvx::{EngineState, PathLimits, Problem, Propulsion, Terminal};
 
 /// A minimum-fuel powered descent of a rigid body (G.70-G.74) in a site-fixed frame with z up.
 #[derive(Clone, Debug)]
@@ -114,12 +114,16 @@ impl SixDofProblem {
             v0_w: self.start.v_w + gained_w,
             r_f_w: self.r_f_w,
             v_f_w: self.v_f_w,
+            terminal: Terminal::Point,
             mass_kg: self.mass_kg(),
             dry_mass_kg: self.mass.dry.mass_kg,
             gravity_m_s2: self.gravity_m_s2,
             isp_s: self.actuators.isp_s,
             thrust_min_n: self.actuators.thrust_min_n,
             thrust_max_n: self.actuators.thrust_max_n,
+            thrust_rate_max_n_s: None,
+            propulsion: Propulsion::default(),
+            engine: EngineState::default(),
             tilt_max_rad: self.limits.tilt_max_rad,
             final_tilt: None,
             reserve: None,
@@ -183,8 +187,9 @@ fn within(
 /// Discretisation and budgets of the planner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SixDofSettings {
-    /// Order of burns and coasts to impose; `None` takes that of the translation's plan.
-    pub structure: Option<Structure>,
+    /// Whether and how often the engine may be switched: the translation's plan then sets the order
+    /// of burns and coasts.
+    pub propulsion: Propulsion,
     /// Intervals of a burn that a coast follows.
     pub first_burn_intervals: usize,
     /// Intervals of a coast.
@@ -206,7 +211,7 @@ impl Default for SixDofSettings {
     /// Fifteen intervals for two burns with a coast between them.
     fn default() -> Self {
         Self {
-            structure: None,
+            propulsion: Propulsion::default(),
             first_burn_intervals: 3,
             coast_intervals: 3,
             last_burn_intervals: 9,

@@ -27,6 +27,12 @@ pub struct Guidance {
     pub plan_thrust_min_n: f64,
     pub plan_thrust_max_n: f64,
     pub replan_period: Ticks,
+    /// Whether the engine's errors are estimated and taken out of the commands.
+    pub compensation: bool,
+    /// Whether a plan's path is followed; else its thrust is flown as planned, without feedback.
+    pub tracking: bool,
+    /// Whether the plan ends at the gate and the terminal law lands; else it ends at cut-off.
+    pub terminal_law: bool,
     /// Height of O above the target at which the plan ends and the terminal law begins.
     pub gate_height_m: f64,
     /// Planned deceleration of the vertical terminal descent.
@@ -61,6 +67,9 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
             900.0,
         )?,
         plan_thrust_max_n,
+        compensation: s.choice("compensation", &["on", "off"])? == "on",
+        tracking: s.choice("tracking", &["on", "off"])? == "on",
+        terminal_law: s.choice("terminal_law", &["on", "off"])? == "on",
         replan_period: Ticks::from_seconds(replan_s)
             .map_err(|error| s.error("replan_period", error.to_string()))?,
         gate_height_m: s.number_or("gate_height", "m", Limit::Positive, 12.0)?,
@@ -70,7 +79,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
             Limit::Positive,
             3.0,
         )?,
-        cutoff_height_m: s.number_or("cutoff_height", "m", Limit::Positive, 0.6)?,
+        cutoff_height_m: s.number_or("cutoff_height", "m", Limit::Positive, 0.45)?,
         cutoff_speed_m_s: s.number_or("cutoff_speed", "m/s", Limit::NotNegative, 0.3)?,
         lift_off_height_m: s.number_or("lift_off_height", "m", Limit::Positive, 3.0)?,
     };
