@@ -13,6 +13,9 @@ const GROUND_MASS: f64 = 1e6;
 /// mass magnifies to 1e-4.
 const LIFT_SHARE: f64 = 1e-3;
 
+/// Pads that bear shares as near to the worst slide with it.
+const ALIKE: f64 = 1e-3;
+
 /// A held pad as the body sees it.
 pub struct Hold {
     /// Where it stands, from O.
@@ -62,20 +65,27 @@ pub fn stop(motion: &Motion, body: &Matrix6<f64>, holds: impl Iterator<Item = Ho
         // Positive definite as the body's is; one that has become non-finite is found elsewhere.
         let Some(solver) = tied.cholesky() else { return *motion };
         let [velocity_b, rate_b] = split(&solver.solve(&momentum));
-        let shares = holds.iter().map(|hold| {
-            let slip_b = hold.across() * (velocity_b + rate_b.cross(&hold.point_b));
-            let blow_b = slip_b * -ground_kg;
-            (hold.share(&blow_b), blow_b)
-        });
-        let worst = shares.enumerate().min_by(|(_, (a, _)), (_, (b, _))| a.total_cmp(b));
-        match worst {
-            Some((n, (share, blow_b))) if share < 1.0 => {
-                let hold = holds.remove(n);
+        let blows: Vec<_> = (holds.iter())
+            .map(|hold| {
+                let slip_b = hold.across() * (velocity_b + rate_b.cross(&hold.point_b));
+                let blow_b = slip_b * -ground_kg;
+                (hold.share(&blow_b), blow_b)
+            })
+            .collect();
+        let worst = blows.iter().map(|(share, _)| *share).fold(1.0, f64::min);
+        if worst == 1.0 {
+            return Motion { velocity_w: motion.attitude_wb * velocity_b, rate_b, ..*motion };
+        }
+        let mut blows = blows.into_iter();
+        holds.retain(|hold| {
+            let Some((share, blow_b)) = blows.next() else { return true };
+            let slides = share < 1.0 && share <= worst + ALIKE;
+            if slides {
                 let blow_b = blow_b * share;
                 momentum += stack(&blow_b, &hold.point_b.cross(&blow_b));
             }
-            _ => return Motion { velocity_w: motion.attitude_wb * velocity_b, rate_b, ..*motion },
-        }
+            !slides
+        });
     }
 }
 
