@@ -23,11 +23,10 @@ use inertia::{split, stack};
 use pad::{Grip, Pad, Shares, Stiffest};
 use structure::Bumpers;
 
-/// Steps of a tick in which a strut may reach its stop: the stop is as stiff as a step carries.
-const STOP_STEPS: u32 = 8;
-/// Steps of a tick in which a strut strokes faster than this, m/s: pads then grip hard, and a soft
-/// grip lets held ones turn the vehicle over.
-const STROKE_STEPS: u32 = 4;
+/// Steps of a tick in which a strut strokes faster than `GENTLE_M_S` or may reach its stop: the stop
+/// is as stiff as a step carries, and while pads grip hard a soft grip lets held ones turn the
+/// vehicle over.
+const WORKING_STEPS: u32 = 8;
 const GENTLE_M_S: f64 = 0.1;
 /// Step times the fastest rate of a vehicle that grips or stands on its stops: Runge-Kutta is stable
 /// up to 2.785.
@@ -111,11 +110,7 @@ fn steps(gear: &Gear, legs: &[LegState]) -> u32 {
         now.stroke_m + 2.0 * TICK_S * now.stroke_rate_m_s.max(0.0) > leg.strut.stroke_max_m
     });
     let stroking = legs.iter().any(|leg| leg.stroke_rate_m_s.abs() > GENTLE_M_S);
-    match () {
-        () if stop_is_near => STOP_STEPS,
-        () if stroking => STROKE_STEPS,
-        () => 1,
-    }
+    if stop_is_near || stroking { WORKING_STEPS } else { 1 }
 }
 
 impl StrutContact {
