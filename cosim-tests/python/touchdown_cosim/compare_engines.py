@@ -9,12 +9,11 @@ Exit codes: 0 done, 2 bad input or failed run.
 
 import argparse
 import sys
-from collections import Counter
 from dataclasses import astuple
 from pathlib import Path
 
 from . import touchdown_cases
-from .compare_mujoco import COMPARED, kit_verdicts, write
+from .compare_mujoco import COMPARED, classes, figures, kit_verdicts, pads, write
 from .land import FAILED, INTERRUPTED, complain
 from .touchdown_cases import COLUMNS, Case
 
@@ -38,32 +37,15 @@ def disagreements(rows: list[dict]) -> list[dict]:
 
 def report(rows: list[dict]) -> str:
     """Agreement, the classes, and every disagreement with both margins."""
-    apart = disagreements(rows)
-    agreed = len(rows) - len(apart)
-    lines = [f"{len(rows)} touchdowns, classes agree in {agreed}: {100.0 * agreed / len(rows):.1f} %"]
-    for name, captured in (("sliding", 0), ("captured", 1)):
-        of, off = (sum(row["captured"] == captured for row in some) for some in (rows, apart))
-        lines.append(f"  {name} pads: {of - off} of {of}")
-    pairs = Counter((row["rapier_outcome"], row["strut_outcome"]) for row in rows)
-    lines += [f"  {ours:>10} / {theirs:<10} {n:5d}" for (ours, theirs), n in sorted(pairs.items())]
-    lines.append("disagreements: the case, then rapier / strut")
-    return "\n".join(lines + [describe(row) for row in apart])
+    lines = [*classes(rows, *ENGINES), "disagreements: the case, then rapier / strut"]
+    return "\n".join(lines + [describe(row) for row in disagreements(rows)])
 
 
 def describe(row: dict) -> str:
     """One disagreement in a line."""
-    pads = "captured" if row["captured"] else f"friction {row['friction']}"
-    values = [
-        f"{label} {row[f'rapier_{name}']:.{digits}f}/{row[f'strut_{name}']:.{digits}f} {unit}"
-        for label, name, digits, unit in (
-            ("margin", "tip_energy_margin_j", 1, "J"),
-            ("slide", "slide_distance_m", 3, "m"),
-            ("stroke", "peak_stroke_m", 4, "m"),
-        )
-    ]
     return (
-        f"  {row['down_m_s']} m/s down, {row['across_m_s']} across, slope {row['slope_deg']} deg, {pads}: "
-        f"{row['rapier_outcome']}/{row['strut_outcome']}, {', '.join(values)}"
+        f"  {row['down_m_s']} m/s down, {row['across_m_s']} across, slope {row['slope_deg']} deg, {pads(row)}: "
+        f"{row['rapier_outcome']}/{row['strut_outcome']}, {figures(row, *ENGINES)}"
     )
 
 

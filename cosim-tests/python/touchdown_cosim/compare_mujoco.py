@@ -97,39 +97,49 @@ def look_closer(vehicle: Vehicle, rows: list[dict]):
             row["mujoco_fine_outcome"] = mujoco_verdict(vehicle, case, FINE_STEP_S).outcome
 
 
-def report(rows: list[dict]) -> str:
-    """Agreement, the classes, and every disagreement with both margins."""
-    agreed = sum(row["agree"] for row in rows)
-    lines = [f"{len(rows)} touchdowns, classes agree in {agreed}: {100.0 * agreed / len(rows):.1f} %"]
+def classes(rows: list[dict], first: str, second: str) -> list[str]:
+    """How often two engines agree on the class, by pads, and every pair of classes."""
+    agree = [row[f"{first}_outcome"] == row[f"{second}_outcome"] for row in rows]
+    lines = [f"{len(rows)} touchdowns, classes agree in {sum(agree)}: {100.0 * sum(agree) / len(rows):.1f} %"]
     for name, captured in (("sliding", 0), ("captured", 1)):
-        agree = [row["agree"] for row in rows if row["captured"] == captured]
-        lines.append(f"  {name} pads: {sum(agree)} of {len(agree)}")
-    pairs = Counter((row["kit_outcome"], row["mujoco_outcome"]) for row in rows)
-    lines += [f"  {ours:>10} / {theirs:<10} {n:5d}" for (ours, theirs), n in sorted(pairs.items())]
-    near = [row for row in rows if abs(row["mujoco_tip_energy_margin_j"]) < 30.0]
-    lines.append(f"{len(near)} with a tip-over margin within 30 J of zero in MuJoCo")
-    lines.append("disagreements: the case, then kit / MuJoCo (MuJoCo with a fifth of the step)")
-    for row in rows:
-        if not row["agree"]:
-            lines.append(describe(row))
-    return "\n".join(lines)
+        such = [same for same, row in zip(agree, rows, strict=True) if row["captured"] == captured]
+        lines.append(f"  {name} pads: {sum(such)} of {len(such)}")
+    pairs = Counter((row[f"{first}_outcome"], row[f"{second}_outcome"]) for row in rows)
+    return lines + [f"  {ours:>10} / {theirs:<10} {n:5d}" for (ours, theirs), n in sorted(pairs.items())]
 
 
-def describe(row: dict) -> str:
-    """One disagreement in a line."""
-    pads = "captured" if row["captured"] else f"friction {row['friction']}"
-    values = [
-        f"{label} {row[f'kit_{name}']:.{digits}f}/{row[f'mujoco_{name}']:.{digits}f} {unit}"
+def figures(row: dict, first: str, second: str) -> str:
+    """What two engines measured of one touchdown."""
+    return ", ".join(
+        f"{label} {row[f'{first}_{name}']:.{digits}f}/{row[f'{second}_{name}']:.{digits}f} {unit}"
         for label, name, digits, unit in (
             ("margin", "tip_energy_margin_j", 1, "J"),
             ("slide", "slide_distance_m", 3, "m"),
             ("stroke", "peak_stroke_m", 4, "m"),
         )
-    ]
+    )
+
+
+def pads(row: dict) -> str:
+    return "captured" if row["captured"] else f"friction {row['friction']}"
+
+
+def report(rows: list[dict]) -> str:
+    """Agreement, the classes, and every disagreement with both margins."""
+    lines = classes(rows, "kit", "mujoco")
+    near = [row for row in rows if abs(row["mujoco_tip_energy_margin_j"]) < 30.0]
+    lines.append(f"{len(near)} with a tip-over margin within 30 J of zero in MuJoCo")
+    lines.append("disagreements: the case, then kit / MuJoCo (MuJoCo with a fifth of the step)")
+    return "\n".join(lines + [describe(row) for row in rows if not row["agree"]])
+
+
+def describe(row: dict) -> str:
+    """One disagreement in a line."""
     return (
         f"  {row['down_m_s']} m/s down, {row['across_m_s']} across towards {row['travel_deg']} deg, "
-        f"slope {row['slope_deg']} deg, heading {row['yaw_deg']} deg, {pads}: "
-        f"{row['kit_outcome']}/{row['mujoco_outcome']} ({row['mujoco_fine_outcome']}), {', '.join(values)}"
+        f"slope {row['slope_deg']} deg, heading {row['yaw_deg']} deg, {pads(row)}: "
+        f"{row['kit_outcome']}/{row['mujoco_outcome']} ({row['mujoco_fine_outcome']}), "
+        f"{figures(row, 'kit', 'mujoco')}"
     )
 
 

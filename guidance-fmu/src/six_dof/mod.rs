@@ -1,7 +1,7 @@
 //! Minimum-fuel powered descent of a rigid body by successive convexification: attitude, body rates
 //! and gimbal beside the translation. A library, no clock, no threads.
 //!
-//! [`solve`] starts from the translation's plan ([`crate::scvx::plan`]). Equation numbers refer to
+//! [`solve`] starts from the translation's plan ([`crate::scvx::solve`]). Equation numbers refer to
 //! the README of this package, which says what is proven and what is not.
 
 mod dynamics;

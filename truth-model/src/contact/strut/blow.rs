@@ -48,10 +48,11 @@ impl Hold {
 }
 
 /// Motion after blows across the stroke axes have stopped the held pads, by the least change of
-/// kinetic energy, as Gauss's principle has it; slosh goes on as it was.
+/// kinetic energy, as Gauss's principle has it; slosh goes on as it was. `body` is the inertia of
+/// velocity of O and rate, without the feet on the ground (T.37).
 ///
 /// A pad whose blow friction can't pass on, or that it would lift, takes what it can, the worst
-/// first, and slides. `body` is the inertia (T.37). Its grip then slows it by what its strut's load allows.
+/// first, and slides. Its grip then slows it by what its strut's load allows.
 pub fn stop(motion: &Motion, body: &Matrix6<f64>, holds: impl Iterator<Item = Hold>) -> Motion {
     let velocity_b = motion.attitude_wb.inverse_transform_vector(&motion.velocity_w);
     let mut momentum = body * stack(&velocity_b, &motion.rate_b);

@@ -12,7 +12,7 @@ use lander_models::mass::MassProperties;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
 use lander_models::vehicle::Gear;
-use nalgebra::{Matrix3, Matrix6, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{ContactEngine, Site, Touch};
@@ -93,12 +93,15 @@ fn stiffest(gear: &Gear, mass: &MassProperties, step_s: f64) -> Stiffest {
     let reach_m2 = reach_m2.fold(0.0, f64::max);
     let height_m2 = mass.com_b.z * mass.com_b.z;
     let [x, y, z] = [0, 1, 2].map(|axis| mass.inertia_b[(axis, axis)] / mass.mass_kg);
-    // Legs around the vehicle share r² between two axes; feet on the ground don't pitch (T.37).
-    let feet = gear.foot_mass_kg * gear.legs.len() as f64 / mass.mass_kg;
-    let pitch = x.min(y) - 0.5 * feet * reach_m2;
+    // Feet on the ground don't pitch (T.37).
+    let foot = gear.foot_mass_kg / mass.mass_kg;
+    let arms_m2 = gear.feet_b().map(|foot_b| (foot_b - mass.com_b).xy().map(|arm_m| arm_m * arm_m));
+    let arms_m2: Vector2<f64> = arms_m2.sum();
+    let pitch = (x - foot * arms_m2.y).min(y - foot * arms_m2.x);
+    let feet = foot * gear.legs.len() as f64;
     // Yaw, or the pads' sliding with pitch (T.32).
     let grip = (reach_m2 / z).max(1.0 + height_m2 / pitch);
-    // Heave, or pitch (T.31).
+    // Heave, or pitch, in which legs around the vehicle share r² between two axes (T.31).
     let stop = (0.5 * reach_m2 / pitch).max(1.0 / (1.0 - feet));
     let rad_s = |lever: f64| STIFFEST_STEP / (2.0 * lever * step_s);
     Stiffest { grip_rad_s: rad_s(grip), stop_rad_s: rad_s(stop) }
