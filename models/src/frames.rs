@@ -46,10 +46,19 @@ pub fn heading_change_rad(from_wb: &Attitude, to_wb: &Attitude) -> f64 {
     (2.0 * turn.w * turn.k).atan2(turn.w * turn.w - turn.k * turn.k)
 }
 
+/// Symmetric tensor from its moments and its elements xy, xz, yz.
+#[inline]
+pub fn symmetric(moments: &Vector3<f64>, products: &Vector3<f64>) -> Matrix3<f64> {
+    let (m, p) = (moments, products);
+    Matrix3::new(m.x, p.x, p.y, p.x, m.y, p.z, p.y, p.z, m.z)
+}
+
 /// `(r·r) I - r rᵀ`: times a mass, the parallel-axis (Steiner) term of an inertia tensor.
 #[inline]
 pub fn steiner(r: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::identity() * r.norm_squared() - r * r.transpose()
+    let squares = r.component_mul(r);
+    let moments = Vector3::new(squares.y + squares.z, squares.x + squares.z, squares.x + squares.y);
+    symmetric(&moments, &-Vector3::new(r.x * r.y, r.x * r.z, r.y * r.z))
 }
 
 #[cfg(test)]

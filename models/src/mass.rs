@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::frames::steiner;
+use crate::frames::{steiner, symmetric};
 
 #[derive(Clone, Debug)]
 pub struct MassModel {
@@ -87,11 +87,11 @@ impl MassModel {
         if let MassLaw::Table(rows) = &self.law {
             return between(rows, propellant_kg, mass_kg);
         }
-        let com_b = (dry.com_b * dry.mass_kg + fuel.com_b * propellant_kg) / mass_kg;
-        let reduced_mass_kg = dry.mass_kg * propellant_kg / mass_kg;
-        let inertia_b = dry.inertia_b()
-            + Matrix3::from_diagonal(&(fuel.gyration_squared_b() * propellant_kg))
-            + steiner(&(fuel.com_b - dry.com_b)) * reduced_mass_kg;
+        let share = propellant_kg / mass_kg;
+        let apart_b = fuel.com_b - dry.com_b;
+        let com_b = dry.com_b + apart_b * share;
+        let mut inertia_b = dry.inertia_b() + steiner(&apart_b) * (dry.mass_kg * share);
+        add_moments(&mut inertia_b, &(fuel.gyration_squared_b() * propellant_kg));
         MassProperties { mass_kg, com_b, inertia_b }
     }
 
@@ -103,10 +103,9 @@ impl MassModel {
             return slope(rows, propellant_kg, dry.mass_kg + propellant_kg);
         }
         let from_com_b = (fuel.com_b - dry.com_b) * (dry.mass_kg / (dry.mass_kg + propellant_kg));
-        Draw {
-            centre_b: fuel.com_b,
-            inertia_b: Matrix3::from_diagonal(&fuel.gyration_squared_b()) + steiner(&from_com_b),
-        }
+        let mut inertia_b = steiner(&from_com_b);
+        add_moments(&mut inertia_b, &fuel.gyration_squared_b());
+        Draw { centre_b: fuel.com_b, inertia_b }
     }
 }
 
@@ -123,6 +122,11 @@ impl Propellant {
     fn gyration_squared_b(&self) -> Vector3<f64> {
         self.gyration_radius_b.component_mul(&self.gyration_radius_b)
     }
+}
+
+#[inline]
+fn add_moments(inertia_b: &mut Matrix3<f64>, moments: &Vector3<f64>) {
+    (0..3).for_each(|axis| inertia_b[(axis, axis)] += moments[axis]);
 }
 
 /// The two rows that enclose a fill; the first or last two beyond the table.
@@ -148,13 +152,6 @@ fn slope(rows: &[MassRow], propellant_kg: f64, mass_kg: f64) -> Draw {
         centre_b: com_b + (high.com_b - low.com_b) * (mass_kg / span_kg),
         inertia_b: (high.inertia_b - low.inertia_b) / span_kg,
     }
-}
-
-/// Symmetric tensor from its moments and its elements xy, xz, yz.
-#[inline]
-pub fn symmetric(moments: &Vector3<f64>, products: &Vector3<f64>) -> Matrix3<f64> {
-    let (m, p) = (moments, products);
-    Matrix3::new(m.x, p.x, p.y, p.x, m.y, p.z, p.y, p.z, m.z)
 }
 
 /// Why a symmetric tensor can't be the inertia of a body, if it can't: its principal moments must

@@ -3,11 +3,10 @@
 
 use lander_models::Vehicle;
 use lander_models::frames::Attitude;
-use lander_models::mass::MassProperties;
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::engine;
+use crate::burn::Burn;
 use crate::propulsion::{Drive, Wrench};
 use crate::slosh::{self, Pendulums};
 
@@ -32,8 +31,8 @@ struct Rate {
     acceleration_w: Vector3<f64>,
     quaternion: Quaternion<f64>,
     angular_acceleration_b: Vector3<f64>,
-    propellant_kg_s: f64,
-    slosh: Pendulums,
+    /// Where propellant sloshes.
+    slosh: Option<Pendulums>,
 }
 
 impl Motion {
@@ -55,27 +54,30 @@ impl Motion {
     pub fn point_position_w(&self, point_b: &Vector3<f64>) -> Vector3<f64> {
         self.position_w + self.attitude_wb * point_b
     }
+}
 
-    /// This motion after `time_s` at constant rates, and its quaternion before normalisation.
+/// A motion inside a step.
+struct Stage {
+    motion: Motion,
+    /// Its attitude before normalisation.
+    raw: Quaternion<f64>,
+}
+
+impl Stage {
+    /// Becomes what `start` is after `time_s` at constant rates.
     #[inline]
-    fn after(
-        &self,
-        rate: &Rate,
-        time_s: f64,
-        (thrust_n, gimbal_rad): (f64, Vector2<f64>),
-    ) -> (Self, Quaternion<f64>) {
-        let raw = self.attitude_wb.quaternion() + rate.quaternion * time_s;
-        let motion = Self {
-            position_w: self.position_w + rate.velocity_w * time_s,
-            velocity_w: self.velocity_w + rate.acceleration_w * time_s,
-            attitude_wb: UnitQuaternion::from_quaternion(raw),
-            rate_b: self.rate_b + rate.angular_acceleration_b * time_s,
-            propellant_kg: self.propellant_kg + rate.propellant_kg_s * time_s,
-            thrust_n,
-            gimbal_rad,
-            slosh: self.slosh.plus(&rate.slosh, time_s),
-        };
-        (motion, raw)
+    fn follow(&mut self, start: &Motion, rate: &Rate, time_s: f64, burn: &Burn) {
+        let motion = &mut self.motion;
+        motion.position_w = start.position_w + rate.velocity_w * time_s;
+        motion.velocity_w = start.velocity_w + rate.acceleration_w * time_s;
+        self.raw = start.attitude_wb.quaternion() + rate.quaternion * time_s;
+        motion.attitude_wb = UnitQuaternion::from_quaternion(self.raw);
+        motion.rate_b = start.rate_b + rate.angular_acceleration_b * time_s;
+        motion.propellant_kg = burn.propellant_kg;
+        (motion.thrust_n, motion.gimbal_rad) = burn.actuators;
+        if let Some(rate) = &rate.slosh {
+            motion.slosh = start.slosh.plus(rate, time_s);
+        }
     }
 }
 
@@ -87,95 +89,70 @@ impl Rate {
                 (k1.$field + (k2.$field + k3.$field) * 2.0 + k4.$field) * (1.0 / 6.0)
             };
         }
-        let outer = k1.slosh.plus(&k4.slosh, 1.0);
-        let inner = k2.slosh.plus(&k3.slosh, 1.0);
         Self {
             velocity_w: mean!(velocity_w),
             acceleration_w: mean!(acceleration_w),
             quaternion: mean!(quaternion),
             angular_acceleration_b: mean!(angular_acceleration_b),
-            propellant_kg_s: mean!(propellant_kg_s),
-            slosh: outer.plus(&inner, 2.0).times(1.0 / 6.0),
+            slosh: k1.slosh.as_ref().and_then(|k1| {
+                let (k2, k3, k4) = (k2.slosh.as_ref()?, k3.slosh.as_ref()?, k4.slosh.as_ref()?);
+                Some(k1.plus(k4, 1.0).plus(&k2.plus(k3, 1.0), 2.0).times(1.0 / 6.0))
+            }),
         }
     }
 }
 
-/// What the main engine's propellant does on its way from the tanks through the nozzle of a turning
-/// vehicle, about the centre of mass: Coriolis force, jet damping and the spin that it leaves
-/// behind (T.50, T.51). Other flows leave from where they are and take their own momentum along.
-#[inline]
-pub fn jet_wrench(
-    vehicle: &Vehicle,
-    motion: &Motion,
-    flow_kg_s: f64,
-    com_b: &Vector3<f64>,
-) -> Wrench {
-    let (engine, rate_b) = (&vehicle.engine, &motion.rate_b);
-    // Ahead of the branch, so that the compiler shares it with the thrust's own.
-    let thrust_direction_b = engine::thrust_direction_b(motion.gimbal_rad);
-    if flow_kg_s <= 0.0 {
-        return Wrench::default();
-    }
-    let draw = vehicle.mass.draw(motion.propellant_kg.max(0.0));
-    let nozzle_m = engine.pivot_b.z - engine.nozzle_exit_height_m;
-    let exit_b = engine.pivot_b - thrust_direction_b * nozzle_m;
-    let arm_b = exit_b - com_b;
-    // Uniform flow over the exit disc, across the body's axis to within the gimbal's few degrees.
-    let disc_m2 = 0.25 * engine.nozzle_exit_radius_m * engine.nozzle_exit_radius_m;
-    let carried_out = arm_b.cross(&rate_b.cross(&arm_b))
-        + rate_b.component_mul(&Vector3::new(disc_m2, disc_m2, 2.0 * disc_m2));
-    Wrench {
-        force_b: rate_b.cross(&(exit_b - draw.centre_b)) * (-2.0 * flow_kg_s),
-        torque_b: (draw.inertia_b * rate_b - carried_out) * flow_kg_s,
-    }
-}
-
 /// Acceleration of O less gravity, and angular acceleration, of a rigid vehicle (T.1, T.2).
-fn rigid(mass: &MassProperties, rate_b: &Vector3<f64>, wrench: &Wrench) -> [Vector3<f64>; 2] {
+fn rigid(burn: &Burn, rate_b: &Vector3<f64>, wrench: &Wrench) -> [Vector3<f64>; 2] {
+    let mass = &burn.mass;
     let gyroscopic_b = rate_b.cross(&(mass.inertia_b * rate_b));
-    // A vehicle file admits only positive moments, so the tensor is invertible.
-    let inverse_inertia_b = mass.inertia_b.try_inverse().unwrap_or_default();
-    let turn_b = inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
+    let turn_b = burn.inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
     let origin_b = wrench.force_b / mass.mass_kg
         - turn_b.cross(&mass.com_b)
         - rate_b.cross(&rate_b.cross(&mass.com_b));
     [origin_b, turn_b]
 }
 
-/// Rates at `motion`, whose quaternion was `raw` before normalisation.
+/// Propellant at the middle and at the end of a step that starts with `start_kg`, for the flows at
+/// start, middle and end. The end is Simpson's sum of the flow, which is Runge and Kutta's; the
+/// middle is that of the parabola through it (T.9).
+fn drained_kg(start_kg: f64, [start, middle, end]: [f64; 3], step_s: f64) -> [f64; 2] {
+    let to_middle_kg = (5.0 * start + 8.0 * middle - end) * (step_s / 24.0);
+    let to_end_kg = (start + 4.0 * middle + end) * (step_s / 6.0);
+    [(start_kg - to_middle_kg).max(0.0), (start_kg - to_end_kg).max(0.0)]
+}
+
 fn rates(
     vehicle: &Vehicle,
     gravity_w: &Vector3<f64>,
-    drive: &Drive,
-    motion: &Motion,
-    raw: &Quaternion<f64>,
+    burn: &Burn,
+    Stage { motion, raw }: &Stage,
     outside: &Wrench,
 ) -> Rate {
-    let mass = vehicle.mass.at(motion.propellant_kg.max(0.0));
-    let jet = jet_wrench(vehicle, motion, drive.engine_flow_kg_s(vehicle, motion), &mass.com_b);
-    let driven = drive.wrench(vehicle, motion, &mass.com_b);
+    let (driven, inside) = (&burn.driven, burn.inside(&motion.rate_b));
     let wrench = Wrench {
-        force_b: driven.force_b + jet.force_b + outside.force_b,
-        torque_b: driven.torque_b + jet.torque_b + outside.torque_b,
+        force_b: driven.force_b + inside.force_b + outside.force_b,
+        torque_b: driven.torque_b + inside.torque_b + outside.torque_b,
     };
-    let mut slosh = Pendulums::default();
-    let [origin_b, angular_acceleration_b] = match &vehicle.slosh {
-        Some(tanks) if motion.slosh.are_active() => {
-            let coupled = slosh::accelerations(tanks, &mass, motion, &wrench);
-            slosh = coupled.swings;
-            [coupled.origin_b, coupled.turn_b]
-        }
-        _ => rigid(&mass, &motion.rate_b, &wrench),
-    };
-    Rate {
+    let mut rate = Rate {
         velocity_w: motion.velocity_w,
-        acceleration_w: motion.attitude_wb * origin_b + gravity_w,
+        acceleration_w: *gravity_w,
         // (T.3) on the raw, unnormalised quaternion of the stage.
         quaternion: raw * Quaternion::from_imag(motion.rate_b) * 0.5,
-        angular_acceleration_b,
-        propellant_kg_s: -drive.flow_kg_s(vehicle, motion),
-        slosh,
-    }
+        angular_acceleration_b: Vector3::zeros(),
+        slosh: None,
+    };
+    let [origin_b, turn_b] = match &vehicle.slosh {
+        Some(tanks) if motion.slosh.are_active() => {
+            let coupled = slosh::accelerations(tanks, &burn.mass, motion, &wrench);
+            rate.slosh = Some(coupled.swings);
+            [coupled.origin_b, coupled.turn_b]
+        }
+        _ => rigid(burn, &motion.rate_b, &wrench),
+    };
+    rate.acceleration_w += motion.attitude_wb * origin_b;
+    rate.angular_acceleration_b = turn_b;
+    rate
 }
 
 /// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8).
@@ -191,20 +168,30 @@ pub fn advance(
     step_s: f64,
     outside: impl Fn(&Motion) -> Wrench,
 ) -> Motion {
-    let f = |(stage, raw): (Motion, Quaternion<f64>)| {
-        rates(vehicle, gravity_w, drive, &stage, &raw, &outside(&stage))
-    };
     let half_s = 0.5 * step_s;
-    let middle = drive.actuators_after(vehicle, motion, half_s);
-    let end = drive.actuators_after(vehicle, motion, step_s);
-    let k1 = f((*motion, *motion.attitude_wb.quaternion()));
-    let k2 = f(motion.after(&k1, half_s, middle));
-    let k3 = f(motion.after(&k2, half_s, middle));
-    let k4 = f(motion.after(&k3, step_s, end));
-    let (mut next, _) = motion.after(&Rate::mean(&k1, &k2, &k3, &k4), step_s, end);
-    next.propellant_kg = next.propellant_kg.max(0.0);
-    next.slosh.normalise();
-    next
+    let now = (motion.thrust_n, motion.gimbal_rad);
+    let later = |time_s| drive.actuators_after(vehicle, motion, time_s);
+    let actuators = [now, later(half_s), later(step_s)];
+    // Dry tanks stay dry.
+    let flows_kg_s = actuators.map(|(thrust_n, _)| drive.flow_kg_s(vehicle, thrust_n));
+    let [middle_kg, end_kg] = drained_kg(motion.propellant_kg, flows_kg_s, step_s);
+    let start = Burn::at(vehicle, drive, actuators[0], motion.propellant_kg);
+    let middle = Burn::at(vehicle, drive, actuators[1], middle_kg);
+    let end = Burn::at(vehicle, drive, actuators[2], end_kg);
+    let f = |stage: &Stage, burn: &Burn| {
+        rates(vehicle, gravity_w, burn, stage, &outside(&stage.motion))
+    };
+    let mut stage = Stage { motion: *motion, raw: *motion.attitude_wb.quaternion() };
+    let k1 = f(&stage, &start);
+    stage.follow(motion, &k1, half_s, &middle);
+    let k2 = f(&stage, &middle);
+    stage.follow(motion, &k2, half_s, &middle);
+    let k3 = f(&stage, &middle);
+    stage.follow(motion, &k3, step_s, &end);
+    let k4 = f(&stage, &end);
+    stage.follow(motion, &Rate::mean(&k1, &k2, &k3, &k4), step_s, &end);
+    stage.motion.slosh.normalise();
+    stage.motion
 }
 
 /// Free flight: nothing acts from outside.

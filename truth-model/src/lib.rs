@@ -2,6 +2,7 @@
 //!
 //! Plain library: no FMI, no output, no clock, no threads. Equations (T.n) in the README.
 
+pub mod burn;
 pub mod contact;
 pub mod disturbances;
 pub mod engine;

@@ -6,6 +6,7 @@ use lander_models::{Ticks, Vehicle};
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::burn::Burn;
 use crate::disturbances::{Biases, Noise};
 use crate::engine::{self, Phase};
 use crate::faults::{self, Damage};
@@ -188,33 +189,21 @@ impl Drive {
         if motion.propellant_kg <= 0.0 { 0.0 } else { motion.thrust_n * self.thrust_factor }
     }
 
-    /// Wrench at this instant.
+    /// Propellant flow of the main engine at a thrust before errors, kg/s (T.64).
     #[inline]
-    pub fn wrench(&self, vehicle: &Vehicle, motion: &Motion, com_b: &Vector3<f64>) -> Wrench {
-        if motion.propellant_kg <= 0.0 {
-            return Wrench { force_b: self.disturbance_b, torque_b: Vector3::zeros() };
-        }
-        // (T.65)
-        let line_b = engine::thrust_direction_b(motion.gimbal_rad + self.pointing_error_rad);
-        let thrust_b = line_b * self.thrust_n(motion);
-        Wrench {
-            force_b: thrust_b + self.disturbance_b,
-            torque_b: (vehicle.engine.pivot_b - com_b).cross(&thrust_b) + self.rcs_torque_b,
-        }
-    }
-
-    /// Propellant flow of the main engine, kg/s (T.64).
-    #[inline]
-    pub fn engine_flow_kg_s(&self, vehicle: &Vehicle, motion: &Motion) -> f64 {
-        let isp_s = engine::isp_s(&vehicle.engine, motion.thrust_n) * self.isp_factor;
-        engine::flow_kg_s(self.thrust_n(motion), isp_s)
+    pub fn engine_flow_kg_s(&self, vehicle: &Vehicle, thrust_n: f64) -> f64 {
+        let isp_s = engine::isp_s(&vehicle.engine, thrust_n) * self.isp_factor;
+        engine::flow_kg_s(thrust_n * self.thrust_factor, isp_s)
     }
 
     /// Propellant flow of engine, thrusters and leak, kg/s (T.7).
-    pub fn flow_kg_s(&self, vehicle: &Vehicle, motion: &Motion) -> f64 {
-        if motion.propellant_kg <= 0.0 {
-            return 0.0;
-        }
-        self.engine_flow_kg_s(vehicle, motion) + self.other_flow_kg_s
+    #[inline]
+    pub fn flow_kg_s(&self, vehicle: &Vehicle, thrust_n: f64) -> f64 {
+        self.engine_flow_kg_s(vehicle, thrust_n) + self.other_flow_kg_s
+    }
+
+    /// Mass and propulsion with the thrust, gimbal angles and propellant of `motion`.
+    pub fn burn(&self, vehicle: &Vehicle, motion: &Motion) -> Burn {
+        Burn::at(vehicle, self, (motion.thrust_n, motion.gimbal_rad), motion.propellant_kg)
     }
 }

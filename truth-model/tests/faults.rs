@@ -294,7 +294,7 @@ fn nozzle_erosion_lowers_thrust_and_isp_at_the_same_flow_and_turns_the_thrust() 
     }
     .holds(thrust_n(&state) / (THRUST_N * factor) - 1.0);
     close(used / 10.0, THRUST_N / (225.0 * G0_M_S2), SETTLED);
-    let flow_kg_s = state.drive.engine_flow_kg_s(model.vehicle(), &state.motion);
+    let flow_kg_s = state.drive.engine_flow_kg_s(model.vehicle(), state.motion.thrust_n);
     close(thrust_n(&state) / (flow_kg_s * G0_M_S2), 225.0 * factor, 225.0 * 1e-14);
     close(state.drive.pointing_error_rad.x, pointing_rate_rad_s * 9.999, 1e-15);
 }

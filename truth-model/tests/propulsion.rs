@@ -158,7 +158,7 @@ fn known_errors_scale_thrust_and_flow_and_turn_the_thrust_line() {
     assert!((thrust_n(&state) - 2910.0).abs() < 1e-9); // exp(-40) of a lag
     let expected = 2910.0 / (225.0 * 1.02 * G0_M_S2);
     assert!((flow_kg_s(&model, &mut state) / expected - 1.0).abs() < FLOW_ROUNDING);
-    let wrench = state.drive.wrench(model.vehicle(), &state.motion, &Vector3::zeros());
+    let wrench = state.drive.burn(model.vehicle(), &state.motion).driven;
     let angle_rad = (-wrench.force_b.y).atan2(wrench.force_b.z);
     assert!((angle_rad - 1_f64.to_radians()).abs() < 1e-15); // one rounding
     // The encoder doesn't see it.

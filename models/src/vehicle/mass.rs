@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::mass::{DryMass, MassLaw, MassModel, MassRow, Propellant, symmetric, unphysical};
+use crate::frames::symmetric;
+use crate::mass::{DryMass, MassLaw, MassModel, MassRow, Propellant, unphysical};
 use crate::quantity::{ConfigError, Limit, Section};
 
 /// Rows of `table`: propellant, centre of mass, then the tensor's xx, yy, zz, xy, xz, yz.

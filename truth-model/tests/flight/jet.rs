@@ -93,7 +93,7 @@ fn momentum_inside_changes_by_thrust_and_by_what_the_exhaust_takes_along() {
     start.position_w = Vector3::new(1.0, -2.0, 3.0);
     start.rate_b = Vector3::new(0.4, -0.9, 0.3);
     let (start, drive) = burning(&start, THRUST_N);
-    let flow_kg_s = drive.engine_flow_kg_s(&vehicle, &start);
+    let flow_kg_s = drive.engine_flow_kg_s(&vehicle, start.thrust_n);
     let step_s = 1e-3;
     let at = |steps| fly(&vehicle, &start, &drive, 0.0, step_s, steps);
     let (before, now, after) = (at(100), at(101), at(102));

@@ -19,7 +19,7 @@ use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
 use super::{ContactEngine, Site, Touch};
-use crate::flight::{self, Motion};
+use crate::flight::Motion;
 use crate::gear::{LegState, crush_load_n, crushed_after};
 use crate::propulsion::{Drive, Wrench};
 use crate::slosh;
@@ -134,13 +134,10 @@ impl ContactEngine for RapierWorld {
         drive: &Drive,
     ) -> Option<Touch> {
         let vehicle = site.vehicle;
-        let mass = vehicle.mass.at(motion.propellant_kg);
+        let burn = drive.burn(vehicle, motion);
         self.world.gravity = to_glam(&site.gravity_w);
         self.set_mass(site, motion);
-        let engine_flow_kg_s = drive.engine_flow_kg_s(vehicle, motion);
-        let jet = flight::jet_wrench(vehicle, motion, engine_flow_kg_s, &mass.com_b);
-        let thrust = drive.wrench(vehicle, motion, &mass.com_b);
-        self.apply(motion, &mass, [thrust, jet]);
+        self.apply(motion, &burn.mass, [burn.driven, burn.inside(&motion.rate_b)]);
         let parts_w = parts_w(site, motion, legs);
         self.ground.follow(&mut self.world, site, &parts_w);
         let pace = self.pace(site, &parts_w, legs);
@@ -165,9 +162,8 @@ impl ContactEngine for RapierWorld {
             touch.structure.hull |= hull;
             touch.structure.nozzle |= nozzle;
         }
-        let flow_kg_s = drive.flow_kg_s(vehicle, motion);
         (motion.thrust_n, motion.gimbal_rad) = drive.actuators_after(vehicle, motion, TICK_S);
-        motion.propellant_kg = (motion.propellant_kg - flow_kg_s * TICK_S).max(0.0);
+        motion.propellant_kg = (motion.propellant_kg - burn.flow_kg_s * TICK_S).max(0.0);
         self.read_motion(site, motion);
         Some(touch)
     }
