@@ -130,9 +130,10 @@ fn rates(
     outside: &Wrench,
 ) -> Rate {
     let (driven, inside) = (&burn.driven, burn.inside(&motion.rate_b));
+    let outside_torque_b = outside.torque_b - burn.mass.com_b.cross(&outside.force_b);
     let wrench = Wrench {
         force_b: driven.force_b + inside.force_b + outside.force_b,
-        torque_b: driven.torque_b + inside.torque_b + outside.torque_b,
+        torque_b: driven.torque_b + inside.torque_b + outside_torque_b,
     };
     let mut rate = Rate {
         velocity_w: motion.velocity_w,
@@ -158,8 +159,7 @@ fn rates(
 /// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8).
 ///
 /// `outside` is the wrench of whatever else acts on the vehicle in a given motion: nothing in free
-/// flight, the ground in contact. Its torque is about `vehicle.mass.at(propellant).com_b`, with
-/// slosh too: the centre of mass with the bobs hanging straight down the body's axis.
+/// flight, the ground in contact. Its torque is about O.
 pub fn advance(
     vehicle: &Vehicle,
     gravity_w: &Vector3<f64>,

@@ -80,7 +80,7 @@ pub struct Plant<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wrench {
     pub force_b: Vector3<f64>,
-    /// About the centre of mass.
+    /// About the centre of mass, where nothing else is said.
     pub torque_b: Vector3<f64>,
 }
 

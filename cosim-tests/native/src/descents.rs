@@ -34,6 +34,8 @@ pub struct Scheme {
     pub tracking: bool,
     /// Whether the terminal law lands.
     pub terminal_law: bool,
+    /// Whether a filter over the sensors' readings navigates, towards a target on the landmarks' map.
+    pub filter: bool,
 }
 
 /// A plan each half second and every law on: how this guidance lands.
@@ -43,7 +45,10 @@ pub const CLOSED_LOOP: Scheme = Scheme {
     compensation: true,
     tracking: true,
     terminal_law: true,
+    filter: false,
 };
+/// The same on the navigation filter.
+pub const FILTER: Scheme = Scheme { name: "filter", filter: true, ..CLOSED_LOOP };
 /// The same laws, a plan each ten seconds.
 pub const SLOW: Scheme = Scheme { name: "slow", replan_s: 10.0, ..CLOSED_LOOP };
 /// A plan each ten seconds down to the cut-off, flown without feedback in between: the paper's.
@@ -53,6 +58,7 @@ pub const PAPER: Scheme = Scheme {
     compensation: false,
     tracking: false,
     terminal_law: false,
+    filter: false,
 };
 /// The first plan's thrust, to the end.
 pub const OPEN_LOOP: Scheme = Scheme { name: "open-loop", replan_s: 60.0, ..PAPER };
@@ -86,9 +92,14 @@ impl Scheme {
             on(self.tracking),
             on(self.terminal_law)
         );
+        let (sensors, map) = if self.filter {
+            ("[sensors]\nnavigation = \"sensors\"\n\n", "\ntarget_on = \"map\"")
+        } else {
+            Default::default()
+        };
         BASE.replace("../vehicles/bug.toml", vehicle)
             .replace("name = \"monte-carlo\"", &format!("name = \"{}-{seed}\"", self.name))
-            .replace("[guidance]", &laws)
+            .replace("[guidance]", &format!("{sensors}{laws}{map}"))
             .replace("seed = { value = 1,", &format!("seed = {{ value = {seed},"))
     }
 

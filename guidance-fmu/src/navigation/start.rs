@@ -57,7 +57,8 @@ fn covariance(scenario: &Scenario, prior: &Prior, sensors: &Sensors) -> Covarian
     set(MISALIGNMENT, all(star_tracker.misalignment_rad));
     set(VELOCIMETER_BIAS, all(velocimeter.bias_m_s));
     set(VELOCIMETER_SCALE, all(velocimeter.scale));
-    set(LANDMARK_BIAS, landmark.as_ref().map_or(Vector3::zeros(), |landmark| landmark.bias_w));
+    let map_bias_w = |landmark| scenario.guidance.map_bias_w(landmark);
+    set(LANDMARK_BIAS, landmark.as_ref().map_or(Vector3::zeros(), map_bias_w));
     let mut set = |place, sigma: f64| p[(place, place)] = sigma * sigma;
     set(GRAVITY, prior.gravity.hypot(dispersed.gravity));
     set(ALTIMETER_BIAS, altimeter.bias_m);

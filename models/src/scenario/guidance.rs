@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::quantity::{ConfigError, Limit, Section};
 use crate::time::Ticks;
-use crate::vehicle::Vehicle;
+use crate::vehicle::{LandmarkSpec, Vehicle};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuidanceMode {
@@ -21,6 +21,8 @@ pub enum GuidanceMode {
 pub struct Guidance {
     pub mode: GuidanceMode,
     pub target_w: Vector3<f64>,
+    /// Whether the target was chosen on the map that the landmarks are on.
+    pub target_on_map: bool,
     /// Limit of the planned thrust direction against the vertical.
     pub tilt_max_rad: f64,
     /// Planned thrust band, inside the engine's so that tracking has margin.
@@ -45,6 +47,14 @@ pub struct Guidance {
     pub lift_off_height_m: f64,
 }
 
+impl Guidance {
+    /// Deviations of the landmarks' map, by axis, from the world in which the target is. A target
+    /// chosen on that map shares its offset, which then moves the site and no landing on it.
+    pub fn map_bias_w(&self, landmark: &LandmarkSpec) -> Vector3<f64> {
+        if self.target_on_map { Vector3::zeros() } else { landmark.bias_w }
+    }
+}
+
 pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, ConfigError> {
     let s = root.section("guidance")?;
     let mode = match s.choice("mode", &["descent", "hop", "off"])? {
@@ -59,6 +69,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
     let guidance = Guidance {
         mode,
         target_w: s.vector("target_w", "m", Limit::Any)?.into(),
+        target_on_map: s.choice("target_on", &["ground", "map"])? == "map",
         tilt_max_rad: s.number_or("tilt_max", "deg", Limit::Within(1.0, 80.0), 29.0)?.to_radians(),
         plan_thrust_min_n: s.number_or(
             "plan_thrust_min",

@@ -13,7 +13,7 @@ use lander_models::frames::Attitude;
 use lander_models::scenario::{Navigation, PerSensor, Scenario, SensorSettings};
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::Ticks;
-use lander_models::vehicle::{Sensors, Vehicle};
+use lander_models::vehicle::{LandmarkSpec, Sensors, Vehicle};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -108,9 +108,11 @@ impl SensorSuite {
                 seed,
             ),
             leg_probes: LegProbes::channel(fit.leg_probes, settings(&chosen.leg_probes), seed),
-            landmark: fit
-                .landmark
-                .map(|spec| Landmark::channel(spec, settings(&chosen.landmark), seed)),
+            landmark: fit.landmark.map(|spec| {
+                let bias_w = scenario.guidance.map_bias_w(&spec);
+                let spec = LandmarkSpec { bias_w, ..spec };
+                Landmark::channel(spec, settings(&chosen.landmark), seed)
+            }),
         }
     }
 

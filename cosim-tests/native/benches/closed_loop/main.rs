@@ -8,13 +8,13 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cosim::descents::{CLOSED_LOOP, OPEN_LOOP, PAPER, SLOW, Scheme};
+use cosim::descents::{CLOSED_LOOP, FILTER, OPEN_LOOP, PAPER, SLOW, Scheme};
 use lander_models::Vehicle;
 use nix::time::{ClockId, clock_gettime};
 
 use table::Campaign;
 
-const SCHEMES: [Scheme; 4] = [CLOSED_LOOP, SLOW, PAPER, OPEN_LOOP];
+const SCHEMES: [Scheme; 5] = [CLOSED_LOOP, FILTER, SLOW, PAPER, OPEN_LOOP];
 const RUNS: u64 = 200;
 
 struct Options {

@@ -78,10 +78,10 @@ impl Forces {
         self.torque_b += point_b.cross(force_b);
     }
 
-    /// What the whole vehicle would need for the motion that they give one without its feet.
-    fn about(&self, com_b: &Vector3<f64>, count: &Matrix6<f64>) -> Wrench {
+    /// What the whole vehicle would need for the motion that they give one without its feet, about O.
+    fn on_whole(&self, count: &Matrix6<f64>) -> Wrench {
         let [force_b, torque_b] = split(&(count * stack(&self.force_b, &self.torque_b)));
-        Wrench { force_b, torque_b: torque_b - com_b.cross(&force_b) }
+        Wrench { force_b, torque_b }
     }
 }
 
@@ -234,7 +234,7 @@ impl ContactEngine for StrutContact {
                     forces.add(&force.on_vehicle_b, &force.point_b);
                 }
                 bumpers.press(site, &stance, &mut forces);
-                forces.about(&vehicle.mass.at(stage.propellant_kg).com_b, &count)
+                forces.on_whole(&count)
             };
             *motion = flight::advance(vehicle, &site.gravity_w, motion, drive, step_s, outside);
             if !motion.is_finite() {
