@@ -2,7 +2,7 @@
 
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,12 +10,13 @@ use clap::{Args, Parser, Subcommand};
 use cosim::landing::{Error, Landing, write_whole};
 use cosim::layout::Layout;
 use cosim::master::Master;
+use cosim::replay::Film;
 use cosim::schedule::{Pair, Schedule};
 use cosim::touchdowns::{self, Cases, Engine};
-use cosim::verdict::gate_passed;
+use cosim::verdict::{Verdict, gate_passed};
 use guidance_fmu::Guidance;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
-use lander_models::{Settings, Ticks, Vehicle};
+use lander_models::{Scenario, Settings, Ticks, Vehicle};
 use truth_model::TruthModel;
 
 const OK: u8 = 0;
@@ -60,6 +61,15 @@ enum Command {
         out: PathBuf,
         #[command(flatten)]
         report: Report,
+    },
+    /// Fly a scenario natively and write it as an HTML page to be watched
+    Replay {
+        /// Scenario file, or the name of one in models/scenarios
+        #[arg(default_value = "landing")]
+        scenario: PathBuf,
+        /// Folder for the page, beside the log and the results
+        #[arg(long, default_value = "results/native")]
+        out: PathBuf,
     },
     /// Run touchdowns from a file of contact states, engine off, each to its verdict
     Touchdowns(Touchdowns),
@@ -109,8 +119,11 @@ impl Cli {
                 let settings = Settings { scenario_file: scenario_path(scenario) };
                 let mut landing =
                     Landing::new(&settings.scenario_file, &out, schedule.clone(), layout)?;
-                let flown = run(&schedule, &settings, &mut landing);
+                let flown = run(&schedule, &settings, &mut landing, |_| ());
                 report.conclude(landing, flown)
+            }
+            Command::Replay { scenario, out } => {
+                replay(&schedule, layout, scenario_path(scenario), &out)
             }
             Command::Record { scenario, out, report } => {
                 let width = layout.width();
@@ -170,18 +183,48 @@ fn kit_file(given: PathBuf, folder: &str) -> PathBuf {
     kit.unwrap_or_else(|| folder.into()).join(given).with_extension("toml")
 }
 
-fn run(schedule: &Schedule, settings: &Settings, landing: &mut Landing) -> Result<(), Error> {
+/// Every row goes to the landing and to `watch`.
+fn run(
+    schedule: &Schedule,
+    settings: &Settings,
+    landing: &mut Landing,
+    mut watch: impl FnMut(&[f64]),
+) -> Result<(), Error> {
     let mut master = Master::new::<TruthModel, Guidance>(schedule, settings)?;
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
     master.run(landing.stop_time(), |row| {
         landing.row(row)?;
+        watch(row);
         Ok(match interrupted.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         })
     })
+}
+
+fn replay(
+    schedule: &Schedule,
+    layout: Layout,
+    scenario_file: PathBuf,
+    out: &Path,
+) -> Result<u8, Error> {
+    let (scenario, vehicle) = Scenario::load(&scenario_file)?;
+    let mut film = Film::new(layout.clone());
+    let mut landing = Landing::new(&scenario_file, out, schedule.clone(), layout)?;
+    let settings = Settings { scenario_file };
+    if let Err(error) = run(schedule, &settings, &mut landing, |row| film.row(row)) {
+        landing.abandon();
+        return Err(error);
+    }
+    let results = landing.finish()?.results;
+    let verdict = Verdict { results: &results, scenario: &scenario, vehicle: &vehicle };
+    let page = film.page(&scenario, &vehicle, (results.outcome.name(), &verdict.to_string()))?;
+    let file = out.join(format!("{}.html", scenario.name));
+    write_whole(&file, &page.ok_or(Error::NoRows)?)?;
+    print(&format!("{}\n", file.display()))?;
+    Ok(if results.interrupted() { INTERRUPTED } else { OK })
 }
 
 fn record(width: usize, landing: &mut Landing) -> Result<(), Error> {

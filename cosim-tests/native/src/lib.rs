@@ -10,6 +10,7 @@ pub mod layout;
 pub mod master;
 pub mod progress;
 pub mod recorder;
+pub mod replay;
 pub mod results;
 pub mod scene;
 pub mod schedule;

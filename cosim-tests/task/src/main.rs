@@ -6,6 +6,7 @@
 mod land;
 mod python;
 mod steps;
+mod system;
 mod validation;
 mod verify;
 mod workspace;

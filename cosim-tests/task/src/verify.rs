@@ -5,12 +5,13 @@ use std::process::{Command, Stdio};
 use crate::land::{build, build_fmus, in_root};
 use crate::python;
 use crate::steps::{Failure, Steps, run, say};
+use crate::system;
 use crate::validation::{self, Accept};
 use crate::workspace::Workspace;
 
 pub fn verify(accept: Accept) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
-    let mut steps = Steps::new(8);
+    let mut steps = Steps::new(9);
     let result = checks(&workspace, &mut steps, accept);
     summarise(&steps, result.is_ok());
     result.map(|()| 0)
@@ -30,6 +31,7 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
     })?;
     steps.run("FMUs", || build_fmus(workspace))?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
+    steps.run("system programs", system::programs)?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
         pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);
