@@ -18,6 +18,7 @@ use guidance_fmu::Guidance;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
 use lander_models::{Scenario, Settings, Ticks, Vehicle};
 use truth_model::TruthModel;
+use truth_model::terrain::Ground;
 
 const OK: u8 = 0;
 const GATE_NOT_PASSED: u8 = 1;
@@ -220,7 +221,9 @@ fn replay(
     }
     let results = landing.finish()?.results;
     let verdict = Verdict { results: &results, scenario: &scenario, vehicle: &vehicle };
-    let page = film.page(&scenario, &vehicle, (results.outcome.name(), &verdict.to_string()))?;
+    let ground = Ground::new(&scenario.terrain);
+    let verdict = verdict.to_string();
+    let page = film.page(&scenario, &vehicle, &ground, (results.outcome.name(), &verdict))?;
     let file = out.join(format!("{}.html", scenario.name));
     write_whole(&file, &page.ok_or(Error::NoRows)?)?;
     print(&format!("{}\n", file.display()))?;

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use foxglove::messages::{
-    CylinderPrimitive, Duration, FrameTransform, FrameTransforms, LinePrimitive, Point3, Pose,
-    PoseInFrame, Quaternion, SceneEntity, SceneUpdate, Timestamp, TriangleListPrimitive, Vector3,
-    line_primitive,
+    CylinderPrimitive, Duration, FrameTransform, FrameTransforms, LinePrimitive,
+    PackedElementField, Point3, PointCloud, Pose, PoseInFrame, Quaternion, SceneEntity,
+    SceneUpdate, SpherePrimitive, Timestamp, TriangleListPrimitive, Vector3, line_primitive,
+    packed_element_field::NumericType,
 };
 use foxglove::{
     Channel, Context, FoxgloveError, McapCompression, McapWriteOptions, McapWriterHandle,
@@ -22,8 +23,8 @@ use lander_models::signals::{ATTITUDE_WB, POSITION_W};
 use nalgebra::{UnitQuaternion, Vector3 as Vector};
 
 use crate::layout::Layout;
-use crate::scene::{Color, Entity, Frustum, Lines, Scene, Triangles};
-use crate::telemetry;
+use crate::scene::{Color, Entity, Frustum, Lines, Scene, Sphere, Triangles};
+use crate::{telemetry, urdf};
 
 const WORLD: &str = "world";
 const LANDER: &str = "lander";
@@ -50,6 +51,9 @@ pub struct Recorder {
     transforms: Channel<FrameTransforms>,
     pose: Channel<PoseInFrame>,
     plume: Channel<SceneUpdate>,
+    /// For viewers that draw no scene entities: the lander as a robot, the ground as points.
+    robot: Arc<RawChannel>,
+    terrain: Channel<PointCloud>,
     telemetry: Arc<RawChannel>,
     buffer: Vec<u8>,
 }
@@ -73,6 +77,12 @@ impl Recorder {
             .message_encoding("protobuf")
             .schema(schema)
             .build_raw()?;
+        let text = Schema::new("std_msgs/msg/String", "ros2msg", &b"string data\n"[..]);
+        let robot = context
+            .channel_builder("/robot_description")
+            .message_encoding("cdr")
+            .schema(text)
+            .build_raw()?;
         Ok(Self {
             file: file.to_owned(),
             writer,
@@ -82,6 +92,8 @@ impl Recorder {
             transforms: context.channel_builder("/tf").build(),
             pose: context.channel_builder("/pose").build(),
             plume: context.channel_builder("/plume").build(),
+            robot,
+            terrain: context.channel_builder("/terrain").build(),
             telemetry,
             _context: context,
             buffer: Vec::new(),
@@ -99,6 +111,10 @@ impl Recorder {
                 ],
             };
             self.scenery.log_with_meta(&update, stamp.meta());
+            let robot = ros_string(&urdf::of(&self.scene.lander, LANDER));
+            self.robot.log_with_meta(&robot, stamp.meta());
+            let terrain = cloud(&self.scene.ground_points_w, stamp);
+            self.terrain.log_with_meta(&terrain, stamp.meta());
         }
         if time.0.is_multiple_of(POSE_PERIOD.0) {
             self.pose_row(stamp, row);
@@ -194,6 +210,7 @@ fn entity(
         cylinders: shapes.frustums.iter().map(cylinder).collect(),
         lines: shapes.lines.iter().map(line_list).collect(),
         triangles: shapes.triangles.iter().map(triangle_list).collect(),
+        spheres: shapes.spheres.iter().map(sphere).collect(),
         ..Default::default()
     }
 }
@@ -213,6 +230,39 @@ fn cylinder(frustum: &Frustum) -> CylinderPrimitive {
     }
 }
 
+fn sphere(sphere: &Sphere) -> SpherePrimitive {
+    SpherePrimitive {
+        pose: Some(Pose { position: Some(vector(&sphere.center)), ..origin() }),
+        size: Some(vector(&Vector::repeat(2.0 * sphere.radius_m))),
+        color: Some(color(sphere.color)),
+    }
+}
+
+/// Points as three little-endian 32-bit floats each.
+fn cloud(points_w: &[Vector<f64>], stamp: Stamp) -> PointCloud {
+    let field = |(index, name): (u32, &str)| PackedElementField {
+        name: name.to_owned(),
+        offset: 4 * index,
+        r#type: NumericType::Float32 as i32,
+    };
+    let floats = points_w.iter().flatten().flat_map(|value| (*value as f32).to_le_bytes());
+    PointCloud {
+        timestamp: Some(stamp.message()),
+        frame_id: WORLD.to_owned(),
+        pose: Some(origin()),
+        point_stride: 12,
+        fields: (0..).zip(["x", "y", "z"]).map(field).collect(),
+        data: floats.collect::<Vec<u8>>().into(),
+    }
+}
+
+/// A `std_msgs/msg/String` in CDR: little-endian header, length with the closing zero, text.
+fn ros_string(text: &str) -> Vec<u8> {
+    let length = text.len() as u32 + 1;
+    let header = [0, 1, 0, 0].into_iter().chain(length.to_le_bytes());
+    header.chain(text.bytes()).chain([0]).collect()
+}
+
 fn line_list(lines: &Lines) -> LinePrimitive {
     LinePrimitive {
         r#type: line_primitive::Type::LineList as i32,
@@ -228,6 +278,7 @@ fn triangle_list(triangles: &Triangles) -> TriangleListPrimitive {
     TriangleListPrimitive {
         pose: Some(origin()),
         points: points(&triangles.points),
+        indices: triangles.corners.clone(),
         color: Some(color(triangles.color)),
         ..Default::default()
     }

@@ -1,9 +1,11 @@
 //! What a viewer draws: the lander in its body frame, the ground in the world frame.
 //! Only shapes here; the recorder knows how a log spells them.
 
-use lander_models::scenario::Terrain;
 use lander_models::{Scenario, Vehicle};
 use nalgebra::{UnitQuaternion, Vector3};
+use truth_model::terrain::Ground;
+
+use crate::relief::{Patch, Relief};
 
 /// Red, green, blue, opacity, each 0 to 1.
 pub type Color = [f64; 4];
@@ -14,14 +16,13 @@ const NOZZLE: Color = [0.25, 0.25, 0.28, 1.0];
 const PLUME: Color = [1.0, 0.72, 0.30, 0.45];
 const GROUND: Color = [0.42, 0.41, 0.40, 1.0];
 const GRID: Color = [0.58, 0.57, 0.55, 1.0];
+const ROCK: Color = [0.36, 0.35, 0.34, 1.0];
 const TARGET: Color = [0.95, 0.35, 0.20, 1.0];
 
 /// Drawn radius of a footpad; its contact point is too small to see.
 const PAD_RADIUS_M: f64 = 0.12;
 const TARGET_RADIUS_M: f64 = 3.0;
-/// Squares of the ground's grid from its middle to its edge, at most: a start far away gets a
-/// coarser grid, not a bigger log.
-const GRID_CELLS_MAX: f64 = 200.0;
+const LIFT_M: f64 = 0.01;
 /// Plume length at full thrust, for the eye only.
 const PLUME_LENGTH_M: f64 = 4.0;
 
@@ -44,10 +45,18 @@ pub struct Lines {
     pub color: Color,
 }
 
-/// Triples of corners.
+/// Triples of corners, as places in `points`.
 #[derive(Clone, Debug)]
 pub struct Triangles {
     pub points: Vec<Vector3<f64>>,
+    pub corners: Vec<u32>,
+    pub color: Color,
+}
+
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    pub center: Vector3<f64>,
+    pub radius_m: f64,
     pub color: Color,
 }
 
@@ -56,6 +65,7 @@ pub struct Entity {
     pub frustums: Vec<Frustum>,
     pub lines: Vec<Lines>,
     pub triangles: Vec<Triangles>,
+    pub spheres: Vec<Sphere>,
 }
 
 #[derive(Clone, Debug)]
@@ -64,6 +74,8 @@ pub struct Scene {
     pub lander: Entity,
     /// In the world frame.
     pub ground: Entity,
+    /// Points of the ground, world frame, for viewers without entities.
+    pub ground_points_w: Vec<Vector3<f64>>,
     plume: Plume,
 }
 
@@ -84,7 +96,16 @@ impl Scene {
             exit_radius_m: engine.nozzle_exit_radius_m,
             thrust_max_n: engine.thrust_max_n,
         };
-        Self { lander: lander(vehicle, &plume), ground: ground(scenario), plume }
+        let terrain = Ground::new(&scenario.terrain);
+        let (start_w, target_w) = (&scenario.initial.position_w, &scenario.guidance.target_w);
+        let relief = Relief::about(&terrain, target_w, start_w);
+        let patches = [&relief.around, &relief.site];
+        Self {
+            lander: lander(vehicle, &plume),
+            ground: ground(&terrain, &relief, target_w),
+            ground_points_w: patches.into_iter().flat_map(Patch::points_w).collect(),
+            plume,
+        }
     }
 
     /// Plume in the body frame; empty with the engine off. The gimbal turns the thrust line
@@ -144,48 +165,39 @@ fn lander(vehicle: &Vehicle, plume: &Plume) -> Entity {
     Entity { frustums, lines: vec![legs], ..Default::default() }
 }
 
-fn ground(scenario: &Scenario) -> Entity {
-    let start = scenario.initial.position_w;
-    let reach_m = (1.2 * start.x.abs().max(start.y.abs())).max(20.0);
-    let nominal_m: f64 = if reach_m > 100.0 { 50.0 } else { 5.0 };
-    let spacing_m = nominal_m.max(reach_m / GRID_CELLS_MAX);
-    let cells = (reach_m / spacing_m).ceil();
-    let edge_m = cells * spacing_m;
-    let at = |x: f64, y: f64| on_plane(&scenario.terrain, x, y);
-
-    let (a, b) = (at(-edge_m, -edge_m), at(edge_m, -edge_m));
-    let (c, d) = (at(edge_m, edge_m), at(-edge_m, edge_m));
-    let plane = Triangles { points: vec![a, b, c, a, c, d], color: GROUND };
-
-    // Lines a hand above the plane, so that they are not lost in it.
-    let lift = Vector3::z() * 0.02;
-    let mut grid = Vec::new();
-    for index in 0..=(2.0 * cells) as u32 {
-        let line_m = f64::from(index) * spacing_m - edge_m;
-        grid.extend([at(line_m, -edge_m), at(line_m, edge_m)]);
-        grid.extend([at(-edge_m, line_m), at(edge_m, line_m)]);
-    }
-    let target = &scenario.guidance.target_w;
+fn ground(terrain: &Ground, relief: &Relief, target_w: &Vector3<f64>) -> Entity {
+    // The site lies a little above its surroundings, which are too coarse to show it, and lines a
+    // hand above the site, so that they are not lost in it.
+    let raised = |lift_m: f64| move |point_w: Vector3<f64>| point_w + Vector3::z() * lift_m;
+    let mesh = |patch: &Patch, lift_m| Triangles {
+        points: patch.points_w().map(raised(lift_m)).collect(),
+        corners: patch.triangles().collect(),
+        color: GROUND,
+    };
+    let grid = |patch: &Patch, thickness_m| Lines {
+        points: patch.lines().map(raised(2.0 * LIFT_M)).collect(),
+        thickness_m,
+        color: GRID,
+    };
     let ring = |index: u32| {
         let (sin, cos) = (f64::from(index) * std::f64::consts::TAU / 32.0).sin_cos();
-        at(target.x + TARGET_RADIUS_M * cos, target.y + TARGET_RADIUS_M * sin)
+        let [x_m, y_m] = [target_w.x + TARGET_RADIUS_M * cos, target_w.y + TARGET_RADIUS_M * sin];
+        Vector3::new(x_m, y_m, terrain.height_m(x_m, y_m) + 2.0 * LIFT_M)
     };
     let ring = (0..32).flat_map(|index| [ring(index), ring(index + 1)]).collect();
-    let lines = |points: Vec<Vector3<f64>>, thickness_m, color| Lines {
-        points: points.into_iter().map(|point| point + lift).collect(),
-        thickness_m,
-        color,
+    let rock = |[x, y, z, radius_m]: &[f64; 4]| Sphere {
+        center: Vector3::new(*x, *y, *z),
+        radius_m: *radius_m,
+        color: ROCK,
     };
     Entity {
-        lines: vec![lines(grid, 0.05, GRID), lines(ring, 0.15, TARGET)],
-        triangles: vec![plane],
+        lines: vec![
+            grid(&relief.around, 0.1),
+            grid(&relief.site, 0.01),
+            Lines { points: ring, thickness_m: 0.15, color: TARGET },
+        ],
+        triangles: vec![mesh(&relief.around, 0.0), mesh(&relief.site, LIFT_M)],
+        spheres: relief.rocks.iter().map(rock).collect(),
         ..Default::default()
     }
-}
-
-/// Point of the ground above or below world (x, y).
-fn on_plane(terrain: &Terrain, x_m: f64, y_m: f64) -> Vector3<f64> {
-    let normal_w = terrain.normal_w();
-    let z_m = -(normal_w.x * x_m + normal_w.y * y_m) / normal_w.z;
-    Vector3::new(x_m, y_m, z_m)
 }

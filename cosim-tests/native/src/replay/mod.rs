@@ -7,10 +7,11 @@ use lander_models::frames::attitude_from_wxyz;
 use lander_models::signals::{ATTITUDE_WB, POSITION_W};
 use lander_models::{Scenario, Ticks, Vehicle};
 use serde::Serialize;
-use truth_model::TruthModel;
+use truth_model::terrain::Ground;
 
 use crate::layout::Layout;
-use shape::{Ground, Shape};
+use crate::relief::Relief;
+use shape::Shape;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
@@ -52,7 +53,7 @@ struct Page<'a> {
     tip_time_s: Option<f64>,
     target_w: [f64; 3],
     shape: Shape,
-    ground: Ground,
+    ground: Relief,
     frames: Vec<Frame>,
 }
 
@@ -99,11 +100,11 @@ impl Film {
         mut self,
         scenario: &Scenario,
         vehicle: &Vehicle,
+        ground: &Ground,
         (outcome, verdict): (&str, &str),
     ) -> Result<Option<String>, serde_json::Error> {
         let Some(end) = self.frame(&self.last) else { return Ok(None) };
         let measured = |name| Some(self.layout.scalar(&self.last, name)).filter(|t| t.is_finite());
-        let truth = TruthModel::new(scenario.clone(), vehicle.clone());
         let page = Page {
             name: &scenario.name,
             outcome,
@@ -111,7 +112,7 @@ impl Film {
             tip_time_s: measured("tip_time_s"),
             target_w: scenario.guidance.target_w.into(),
             shape: Shape::of(vehicle),
-            ground: Ground::around(truth.ground(), &end.position_w, &scenario.initial.position_w),
+            ground: Relief::about(ground, &end.position_w.into(), &scenario.initial.position_w),
             frames: {
                 if self.frames.last().is_none_or(|last| last.time_s < end.time_s) {
                     self.frames.push(end);
