@@ -1,44 +1,67 @@
-//! Programs of the operating system that tests use, installed where they are missing (Debian).
+//! What tests need of the operating system, installed where it is missing (Debian).
 
 use std::env;
-use std::process::Command;
+use std::path::Path;
+use std::process::{Command, Stdio};
 
 use crate::steps::{Failure, run, say};
 
-/// A program and the Debian package that brings it.
-const PROGRAMS: [(&str, &str); 1] = [("chromium", "chromium")];
+/// How a need is seen to be met.
+enum Sign {
+    Program(&'static str),
+    Library(&'static str),
+    File(&'static str),
+}
 
-/// Installs what is missing, as root or with `sudo`.
-pub fn programs() -> Result<(), Failure> {
-    let missing: Vec<&str> = PROGRAMS
-        .iter()
-        .filter(|(program, _)| !is_on_path(program))
-        .map(|(_, package)| *package)
-        .collect();
+/// With the Debian packages that meet them: a browser for pages, a screen and a renderer for
+/// Rerun, Intel's threads for ecos.
+const NEEDS: [(Sign, &str); 4] = [
+    (Sign::Program("chromium"), "chromium"),
+    (Sign::Program("xvfb-run"), "xvfb"),
+    (Sign::File("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"), "mesa-vulkan-drivers"),
+    (Sign::Library("libtbb.so.12"), "libtbb12"),
+];
+
+/// Installs the packages that are missing, as root or with `sudo`.
+pub fn packages() -> Result<(), Failure> {
+    let missing: Vec<&str> =
+        NEEDS.iter().filter(|(sign, _)| !sign.is_there()).map(|(_, package)| *package).collect();
     if missing.is_empty() {
         return Ok(());
     }
-    say(&mut std::io::stderr(), &format!("installing {}", missing.join(", ")));
+    let names = missing.join(" ");
     if !is_on_path("apt-get") {
-        let reason = format!("{} must be installed: there is no apt-get", missing.join(", "));
-        return Err(Failure::new(reason));
+        return Err(Failure::new(format!("to be installed by hand, without apt-get: {names}")));
     }
-    run("apt-get update", apt_get().args(["--quiet=2", "update"]))?;
-    let install = ["--quiet=2", "install", "--yes", "--no-install-recommends"];
-    run("apt-get install", apt_get().args(install).args(missing))
+    say(&mut std::io::stderr(), &format!("installing {names}"));
+    let failed = |_| Failure::new(format!("cannot be installed: apt-get install {names}"));
+    apt_get("update")
+        .and_then(|()| apt_get(&format!("install --yes --no-install-recommends {names}")))
+        .map_err(failed)
 }
 
-fn apt_get() -> Command {
-    // Root needs no sudo, and where there is none only root gets here.
-    let mut command = if is_on_path("sudo") {
-        let mut sudo = Command::new("sudo");
-        sudo.args(["--preserve-env=DEBIAN_FRONTEND", "apt-get"]);
-        sudo
-    } else {
-        Command::new("apt-get")
-    };
-    command.env("DEBIAN_FRONTEND", "noninteractive");
-    command
+impl Sign {
+    fn is_there(&self) -> bool {
+        match self {
+            Self::Program(name) => is_on_path(name),
+            Self::File(path) => Path::new(path).exists(),
+            Self::Library(name) => {
+                let listed =
+                    Command::new("/sbin/ldconfig").arg("-p").stderr(Stdio::null()).output();
+                listed.is_ok_and(|listed| String::from_utf8_lossy(&listed.stdout).contains(name))
+            }
+        }
+    }
+}
+
+fn apt_get(arguments: &str) -> Result<(), Failure> {
+    let is_root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout == b"0\n");
+    let mut command = Command::new(if is_root { "apt-get" } else { "sudo" });
+    if !is_root {
+        command.args(["--non-interactive", "apt-get"]);
+    }
+    command.env("DEBIAN_FRONTEND", "noninteractive").arg("--quiet=2");
+    run("apt-get", command.args(arguments.split_whitespace()))
 }
 
 fn is_on_path(program: &str) -> bool {

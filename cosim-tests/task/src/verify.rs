@@ -31,7 +31,7 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
     })?;
     steps.run("FMUs", || build_fmus(workspace))?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
-    steps.run("system programs", system::programs)?;
+    steps.run("system packages", system::packages)?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
         pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);
