@@ -1,20 +1,20 @@
 //! documentation/index.html: the same table for people.
 
-use fmi_adapter::variables;
+use fmi_adapter::{Variant, variables};
 use lander_models::signals::Interface;
 
 use crate::xml::escape;
 
-pub fn page(interface: &Interface) -> String {
+pub fn page(interface: &Interface, variant: Variant) -> String {
     let mut rows = String::new();
-    for v in variables(interface) {
+    for v in variables(interface, variant) {
         let cells = [
             v.reference.to_string(),
             v.name.clone(),
-            v.slot.data_type().to_owned(),
+            type_name(v.slot.data_type(variant), v.size),
             v.slot.causality().to_owned(),
             v.unit.unwrap_or("").to_owned(),
-            v.start.map(|start| start.to_string()).unwrap_or_default(),
+            v.start_text(),
             v.description.to_owned(),
         ];
         let cells: String = cells.iter().map(|cell| format!("<td>{}</td>", escape(cell))).collect();
@@ -29,4 +29,9 @@ pub fn page(interface: &Interface) -> String {
          <table>\n<tr><th>reference</th><th>name</th><th>type</th><th>causality</th>\
          <th>unit</th><th>start</th><th>description</th></tr>\n{rows}</table>\n</body>\n</html>\n"
     )
+}
+
+/// `Float64`, `Float64[3]`
+fn type_name(scalar: &str, size: usize) -> String {
+    if size == 1 { scalar.to_owned() } else { format!("{scalar}[{size}]") }
 }

@@ -1,4 +1,4 @@
-//! Packs the two shell libraries into FMI 3.0 FMUs, and looks into FMUs.
+//! Packs the two shell libraries into FMUs of FMI 2.0 and 3.0, and looks into FMUs.
 //!
 //! Everything that an FMU says about itself is generated from the signal tables in
 //! `lander_models::signals`: `description` writes the XML, `documentation` the HTML page.

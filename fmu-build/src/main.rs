@@ -11,7 +11,7 @@ use fmu_build::package::{Sources, build};
 use fmu_build::{Error, Stamp, describe};
 
 #[derive(Parser)]
-#[command(version, about = "Packs, describes and checks the lander FMUs (FMI 3.0)")]
+#[command(version, about = "Packs, describes and checks the lander FMUs (FMI 2.0 and 3.0)")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -19,7 +19,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Pack the shell libraries into lander-truth.fmu and scvx-guidance.fmu
+    /// Pack the shell libraries into FMUs: each for FMI 2.0, FMI 3.0 and FMI 3.0 with arrays
     Build {
         /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so
         #[arg(long, value_name = "DIR")]

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fmi_adapter::Variant;
 use fmi_adapter::variables::DEFAULT_SCENARIO;
 use lander_models::signals::Interface;
 use lander_models::{Scenario, Ticks};
@@ -23,12 +24,14 @@ pub struct Sources<'a> {
     pub stamp: Stamp,
 }
 
-/// Writes one archive for each model into `out` and returns their paths. All are made before
+/// Writes the archives of each model into `out` and returns their paths. All are made before
 /// the first is written, and each appears under its name only when complete.
 pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
-    let made: Vec<(PathBuf, Vec<u8>)> = MODELS
-        .into_iter()
-        .map(|model| Ok((out.join(archive_file(model)), archive(model, sources)?)))
+    let all = MODELS.into_iter().flat_map(|model| Variant::ALL.map(|variant| (model, variant)));
+    let made: Vec<(PathBuf, Vec<u8>)> = all
+        .map(|(model, variant)| {
+            Ok((out.join(archive_file(model, variant)), archive(model, variant, sources)?))
+        })
         .collect::<Result<_, Error>>()?;
     fs::create_dir_all(out).map_err(Error::write(out))?;
     for (file, bytes) in &made {
@@ -38,10 +41,10 @@ pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// The bytes of one FMU.
-pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
+pub fn archive(model: &Interface, variant: Variant, sources: &Sources) -> Result<Vec<u8>, Error> {
     let mut entries = Entries::new();
     let library = sources.libraries.join(library_file(model));
-    entries.insert(library_entry(model), read(&library)?);
+    entries.insert(library_entry(model, variant), read(&library)?);
     let models = sources.root.join("models");
     for (folder, extension) in [("scenarios", "toml"), ("vehicles", "toml"), ("terrain", "tif")] {
         for file in files(&models.join(folder), extension)? {
@@ -50,13 +53,14 @@ pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
         }
     }
     let stop = validate_scenarios(&models)?;
-    let description = model_description(model, stop, sources.stamp)?;
+    let description = model_description(model, variant, stop, sources.stamp)?;
     entries.insert("modelDescription.xml".to_owned(), description.into_bytes());
-    entries.insert("documentation/index.html".to_owned(), page(model).into_bytes());
+    entries.insert("documentation/index.html".to_owned(), page(model, variant).into_bytes());
     let license = sources.root.join("LICENSE");
     if license.exists() {
-        // The name that FMI 3.0 gives the entry point of the licences.
-        entries.insert("documentation/licenses/license.txt".to_owned(), read(&license)?);
+        // Each version names the entry point of the licences in its own way.
+        let entry = if variant == Variant::Fmi2 { "license" } else { "licenses/license" };
+        entries.insert(format!("documentation/{entry}.txt"), read(&license)?);
     }
     pack(&entries, sources.stamp)
 }

@@ -9,20 +9,22 @@ from conftest import FMUS, SCENARIOS
 from touchdown_cosim import schedule
 from touchdown_cosim.component import Component
 from touchdown_cosim.master import Master
+from touchdown_cosim.variants import VARIANTS, fmu_file
 
 PLAN = schedule.load()
 
 
+@pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("model", PLAN.components.values())
-def test_fmpy_finds_no_problem(model):
-    assert validate_fmu(str(FMUS / f"{model}.fmu")) == []
+def test_fmpy_finds_no_problem(model, variant):
+    assert validate_fmu(str(fmu_file(FMUS, model, variant))) == []
 
 
 @pytest.fixture
 def components():
     with ExitStack() as stack:
         yield {
-            name: stack.enter_context(Component(FMUS / f"{model}.fmu", name))
+            name: stack.enter_context(Component(fmu_file(FMUS, model), name))
             for name, model in PLAN.components.items()
         }
 
@@ -54,7 +56,8 @@ def test_a_state_saved_in_flight_continues_bit_for_bit(components):
 
 @pytest.mark.parametrize(
     # The tip-over touches at 0.469 s: struts move and pads hold while the state is saved.
-    ("scenario", "saved", "end"), [("landing", 500, 600), ("tip-over", 50, 150)]
+    ("scenario", "saved", "end"),
+    [("landing", 500, 600), ("tip-over", 50, 150)],
 )
 def test_a_stored_state_continues_in_a_new_instance(scenario, saved, end, components):
     file = SCENARIOS / f"{scenario}.toml"
@@ -62,14 +65,12 @@ def test_a_stored_state_continues_in_a_new_instance(scenario, saved, end, compon
         component.initialize(file)
     master = Master(PLAN, components)
     rows(master, 0, saved)
-    stored = {
-        name: c.fmu.serializeFMUState(c.fmu.getFMUState()) for name, c in components.items()
-    }
+    stored = {name: c.fmu.serializeFMUState(c.fmu.getFMUState()) for name, c in components.items()}
     flown = rows(master, saved, end)
     with ExitStack() as stack:
         others = {}
         for name, model in PLAN.components.items():
-            other = stack.enter_context(Component(FMUS / f"{model}.fmu", name))
+            other = stack.enter_context(Component(fmu_file(FMUS, model), name))
             other.initialize(file)
             other.fmu.setFMUState(other.fmu.deserializeFMUState(stored[name]))
             others[name] = other

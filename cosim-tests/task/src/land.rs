@@ -62,9 +62,10 @@ fn split(arguments: &[OsString]) -> Result<(Option<&OsStr>, Vec<&OsStr>), Failur
         let shown = word.to_string_lossy();
         match &*shown {
             "--json" | "--gate" => options.push(word),
-            "--out" => {
-                let folder = words.next().ok_or_else(|| Failure::new("--out needs a folder"))?;
-                options.extend([word, folder]);
+            "--out" | "--variant" => {
+                let value = words.next();
+                let value = value.ok_or_else(|| Failure::new(format!("{shown} needs a value")))?;
+                options.extend([word, value]);
             }
             _ if shown.starts_with('-') => {
                 return Err(Failure::new(format!("{shown} is not known\n{}", crate::USAGE)));
@@ -105,7 +106,7 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_refused() {
-        for line in ["--fast", "hop landing", "--out"] {
+        for line in ["--fast", "hop landing", "--out", "--variant"] {
             assert!(split(&words(line)).is_err(), "{line} was taken");
         }
     }

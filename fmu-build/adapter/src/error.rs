@@ -16,7 +16,7 @@ pub enum Error {
     #[error("{what} is not valid UTF-8")]
     NotUtf8 { what: String },
 
-    #[error("instantiationToken is \"{given}\", this library has \"{expected}\"")]
+    #[error("the token is \"{given}\", this library has \"{expected}\"")]
     Token { given: String, expected: String },
     #[error("eventModeUsed: this FMU has no event mode")]
     EventMode,
@@ -61,6 +61,9 @@ pub enum Error {
     #[error("internal error: {0}; only reset, set state and free can follow")]
     Panic(String),
 
+    #[error("status kind {0} tells nothing here: no step is ever pending")]
+    StatusKind(i32),
+
     #[error("FMUState is not a state of this instance, or was freed")]
     UnknownState,
     #[error("serializedState: {0}")]
@@ -72,6 +75,6 @@ pub enum Error {
 impl Error {
     /// Whether nothing is wrong but the arguments' values: the importer may try others.
     pub(crate) fn is_discard(&self) -> bool {
-        matches!(self, Self::StepSize(_))
+        matches!(self, Self::StepSize(_) | Self::StatusKind(_))
     }
 }

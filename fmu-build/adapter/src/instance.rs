@@ -9,11 +9,15 @@ use lander_models::time::{NotWholeTicks, TICK_S};
 use lander_models::{Component, Settings, StepReport, Ticks};
 
 use crate::error::Error;
+use crate::guard;
 use crate::lifecycle::{Call, Lifecycle};
 use crate::logger::Logger;
 use crate::snapshot::{Hash, NO_CONFIGURATION, Snapshot, fingerprint};
-use crate::variables::{DEFAULT_SCENARIO, SCENARIO_NAME, input_starts, token};
-use crate::{guard, variables};
+use crate::variables::{
+    DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_starts, interface_hash, token,
+};
+
+const NO_STOP: Ticks = Ticks(u64::MAX);
 
 /// The constant part, shared by an instance and the states taken from it.
 pub(crate) struct Config<C> {
@@ -24,7 +28,8 @@ pub(crate) struct Config<C> {
 pub struct Instance<C: Component> {
     pub(crate) logger: Logger,
     resources: Option<PathBuf>,
-    pub(crate) token: Hash,
+    pub(crate) variant: Variant,
+    pub(crate) interface: Hash,
     /// Present from Initialization Mode on.
     pub(crate) config: Option<Arc<Config<C>>>,
     pub(crate) live: Snapshot<C::State>,
@@ -65,21 +70,25 @@ pub struct Stepped {
 }
 
 impl<C: Component> Instance<C> {
-    /// An instance in state Instantiated. `given_token` comes from modelDescription.xml.
+    /// An instance in state Instantiated, of that one of the `possible` variants whose token is
+    /// `given`.
     pub fn new(
-        given_token: &str,
+        possible: &[Variant],
+        given: &str,
         resources: Option<PathBuf>,
         logger: Logger,
     ) -> Result<Self, Error> {
-        let token = token(C::INTERFACE);
-        let expected = variables::hex(&token);
-        if given_token != expected {
-            return Err(Error::Token { given: given_token.to_owned(), expected });
-        }
+        let fits = |variant: &&Variant| token(C::INTERFACE, **variant) == given;
+        let Some(&variant) = possible.iter().find(fits) else {
+            let expected = possible.iter().map(|variant| token(C::INTERFACE, *variant));
+            let expected = expected.collect::<Vec<_>>().join("\" or \"");
+            return Err(Error::Token { given: given.to_owned(), expected });
+        };
         Ok(Self {
             logger,
             resources,
-            token,
+            variant,
+            interface: interface_hash(C::INTERFACE),
             config: None,
             live: initial::<C>(),
             outputs: vec![0.0; C::INTERFACE.output_len()],
@@ -118,17 +127,21 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// Creates the component, so that outputs can be read. Inputs have no influence on it.
-    pub fn enter_initialization(&mut self, start_s: f64, stop_s: Option<f64>) -> Result<(), Error> {
+    /// Start and stop time, before Initialization Mode.
+    pub fn set_experiment(&mut self, start_s: f64, stop_s: Option<f64>) -> Result<(), Error> {
         if start_s != 0.0 {
             return Err(Error::StartTime(start_s));
         }
-        let stop = match stop_s {
+        self.live.stop = match stop_s {
             Some(stop_s) => last_tick(stop_s).ok_or(Error::StopTime(stop_s))?,
-            None => Ticks(u64::MAX),
+            None => NO_STOP,
         };
+        Ok(())
+    }
+
+    /// Creates the component, so that outputs can be read. Inputs have no influence on it.
+    pub fn enter_initialization(&mut self) -> Result<(), Error> {
         self.create()?;
-        self.live.stop = stop;
         self.live.lifecycle = Lifecycle::Initialization;
         Ok(())
     }
@@ -178,6 +191,7 @@ impl<C: Component> Instance<C> {
                 Error::Step(source)
             })?;
         self.live.now = next;
+        self.live.ended = report.terminate;
         self.refresh_outputs();
         let time_s = next.seconds();
         if report.event {
@@ -187,6 +201,11 @@ impl<C: Component> Instance<C> {
             self.logger.event(&format!("t = {time_s} s: the run has reached its end"));
         }
         Ok(Stepped { time_s, report })
+    }
+
+    /// Whether the last step asked for the end of the run.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.live.ended
     }
 
     pub(crate) fn now_s(&self) -> f64 {
@@ -234,7 +253,8 @@ fn initial<C: Component>() -> Snapshot<C::State> {
         lifecycle: Lifecycle::Instantiated,
         scenario_file: CString::default(),
         now: Ticks::ZERO,
-        stop: Ticks(u64::MAX),
+        stop: NO_STOP,
+        ended: false,
         inputs: input_starts(C::INTERFACE),
         state: None,
     }

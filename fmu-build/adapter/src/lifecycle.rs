@@ -38,6 +38,8 @@ pub enum Call {
     Get,
     Set,
     Step,
+    /// FMI 2.0: what came of the last step.
+    GetStatus,
     Terminate,
     Reset,
     GetState,
@@ -65,6 +67,7 @@ impl Call {
             Self::Get => HEALTHY,
             Self::Set => INSTANTIATED | INITIALIZATION | STEPPING,
             Self::Step => STEPPING,
+            Self::GetStatus => STEPPING | TERMINATED,
             Self::Terminate => STEPPING,
             Self::Reset => ANY,
             Self::GetState => HEALTHY,

@@ -11,23 +11,29 @@ use crate::lifecycle::Lifecycle;
 use crate::variables::Slot;
 
 impl<C: Component> Instance<C> {
-    /// The variables that a call accesses as type `asked`, with one value for each.
+    /// What `get_reals` and `set_reals` access.
+    pub fn real_type(&self) -> &'static str {
+        self.variant.real_type()
+    }
+
+    /// The scalars that a call accesses as type `asked`, with one value for each.
     pub fn slots(
+        &self,
         references: &[u32],
         asked: &'static str,
         value_count: usize,
     ) -> Result<Vec<Slot>, Error> {
-        let find = |&reference: &u32| {
-            let slot =
-                Slot::find(C::INTERFACE, reference).ok_or(Error::UnknownReference(reference))?;
-            if slot.data_type() == asked {
-                Ok(slot)
-            } else {
-                let (name, actual) = (slot.name(C::INTERFACE), slot.data_type());
-                Err(Error::WrongType { name, reference, actual, asked })
+        let mut slots = Vec::with_capacity(value_count.min(C::INTERFACE.output_len()));
+        for &reference in references {
+            let (slot, size) = Slot::find(C::INTERFACE, self.variant, reference)
+                .ok_or(Error::UnknownReference(reference))?;
+            let actual = slot.data_type(self.variant);
+            if actual != asked {
+                let name = slot.name(C::INTERFACE);
+                return Err(Error::WrongType { name, reference, actual, asked });
             }
-        };
-        let slots: Vec<Slot> = references.iter().map(find).collect::<Result<_, _>>()?;
+            slots.extend(slot.run(size));
+        }
         if value_count != slots.len() {
             let first = slots.first().map_or("no variable".to_owned(), |s| s.name(C::INTERFACE));
             let names = match slots.len() {

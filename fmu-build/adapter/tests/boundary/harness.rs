@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use fmi_adapter::Variant;
 use fmi_adapter::fmi3::Status;
-use fmi_adapter::variables::hex;
 use lander_models::Component;
 
 use crate::integrator::Integrator;
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn collect(
 }
 
 pub fn token() -> CString {
-    CString::new(hex(&fmi_adapter::token(Integrator::INTERFACE))).unwrap()
+    CString::new(fmi_adapter::token(Integrator::INTERFACE, Variant::Fmi3)).unwrap()
 }
 
 pub struct Importer {

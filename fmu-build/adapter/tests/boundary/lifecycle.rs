@@ -91,7 +91,7 @@ fn without_a_resource_path_only_an_absolute_scenario_works() {
 #[test]
 fn instantiation_is_refused_with_a_reason() {
     for (importer, reason) in [
-        (Importer::with(Some(c"wrong"), None, false), "instantiationToken is \"wrong\""),
+        (Importer::with(Some(c"wrong"), None, false), "the token is \"wrong\""),
         (Importer::with(None, None, false), "instantiationToken is a null pointer"),
         (Importer::with(Some(&token()), None, true), "eventModeUsed"),
     ] {

@@ -1,9 +1,12 @@
-//! modelDescription.xml for FMI 3.0 Co-Simulation.
+//! modelDescription.xml: what both FMI versions have in common, in the order that both ask for.
+
+mod fmi2;
+mod fmi3;
 
 use std::collections::BTreeMap;
 
 use fmi_adapter::logger::Category;
-use fmi_adapter::variables::{SCENARIO_REFERENCE, Slot, Variable, capabilities, hex};
+use fmi_adapter::variables::{Slot, Variable, Variant, capabilities};
 use fmi_adapter::{token, variables};
 use lander_models::Ticks;
 use lander_models::signals::Interface;
@@ -19,16 +22,18 @@ const DEFAULT_STEP: Ticks = Ticks(10);
 /// `default_stop` is the stop time of the default scenario.
 pub fn model_description(
     interface: &Interface,
+    variant: Variant,
     default_stop: Ticks,
     stamp: Stamp,
 ) -> Result<String, Error> {
-    let variables = variables(interface);
+    let variables = variables(interface, variant);
     let units = units(interface, &variables)?;
+    let two = variant == Variant::Fmi2;
     let mut xml = Xml::new();
     let root = [
-        ("fmiVersion", "3.0"),
+        ("fmiVersion", if two { "2.0" } else { "3.0" }),
         ("modelName", interface.model),
-        ("instantiationToken", &hex(&token(interface))),
+        (if two { "guid" } else { "instantiationToken" }, &token(interface, variant)),
         ("description", interface.description),
         ("version", env!("CARGO_PKG_VERSION")),
         ("license", env!("CARGO_PKG_LICENSE")),
@@ -38,7 +43,7 @@ pub fn model_description(
     ];
     xml.element("fmiModelDescription", &root, |xml| {
         let identifier = identifier(interface);
-        let flags = capabilities();
+        let flags = capabilities(variant);
         let mut attributes = vec![("modelIdentifier", identifier.as_str())];
         attributes.extend(flags.iter().map(|(flag, value)| (*flag, value.as_str())));
         xml.leaf("CoSimulation", &attributes);
@@ -58,9 +63,13 @@ pub fn model_description(
         let experiment = [("startTime", "0"), ("stopTime", &stop), ("stepSize", &step)];
         xml.leaf("DefaultExperiment", &experiment);
         xml.element("ModelVariables", &[], |xml| {
-            variables.iter().for_each(|variable| write_variable(xml, variable));
+            let write = if two { fmi2::write_variable } else { fmi3::write_variable };
+            variables.iter().for_each(|variable| write(xml, variable));
         });
-        xml.element("ModelStructure", &[], |xml| write_structure(xml, interface, &variables));
+        xml.element("ModelStructure", &[], |xml| {
+            let write = if two { fmi2::write_structure } else { fmi3::write_structure };
+            write(xml, interface, &variables);
+        });
     });
     Ok(xml.finish())
 }
@@ -96,41 +105,7 @@ fn write_base(xml: &mut Xml, base: &BaseUnit) {
     xml.leaf("BaseUnit", &attributes);
 }
 
-/// Outputs are `initial="calculated"` by default and so have no start value.
-fn write_variable(xml: &mut Xml, variable: &Variable) {
-    let reference = variable.reference.to_string();
-    let start = variable.start.map(|start| start.to_string());
-    let mut attributes = vec![
-        ("name", variable.name.as_str()),
-        ("valueReference", &reference),
-        ("causality", variable.slot.causality()),
-        ("description", variable.description),
-    ];
-    if variable.slot == Slot::Scenario {
-        attributes.push(("variability", "fixed"));
-        xml.element("String", &attributes, |xml| xml.leaf("Start", &[("value", "")]));
-        return;
-    }
-    attributes.extend(variable.unit.map(|unit| ("unit", unit)));
-    attributes.extend(start.as_deref().map(|start| ("start", start)));
-    xml.leaf("Float64", &attributes);
-}
-
-/// Outputs respond to inputs through a step only; at the start they depend on the scenario.
-fn write_structure(xml: &mut Xml, interface: &Interface, variables: &[Variable]) {
-    let outputs = || variables.iter().filter(|v| matches!(v.slot, Slot::Output(_)));
-    for output in outputs() {
-        let reference = output.reference.to_string();
-        let mut attributes = vec![("valueReference", reference.as_str())];
-        // Without the attribute an output depends on every input.
-        if !interface.outputs_depend_on_inputs {
-            attributes.push(("dependencies", ""));
-        }
-        xml.leaf("Output", &attributes);
-    }
-    let scenario = SCENARIO_REFERENCE.to_string();
-    for output in outputs() {
-        let reference = output.reference.to_string();
-        xml.leaf("InitialUnknown", &[("valueReference", &reference), ("dependencies", &scenario)]);
-    }
+/// Those of which ModelStructure speaks.
+fn is_output(variable: &Variable) -> bool {
+    matches!(variable.slot, Slot::Output(_))
 }
