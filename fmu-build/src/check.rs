@@ -13,6 +13,7 @@ use zip::ZipArchive;
 
 use crate::Error;
 use crate::model::{MODELS, identifier, library_entry};
+use crate::terminals;
 
 /// The problems found in `file`; an error if it is no readable zip archive at all.
 pub fn check(file: &Path) -> Result<Vec<String>, Error> {
@@ -86,6 +87,9 @@ fn entry_problems(
             problems.push(format!("{path} is missing"));
         }
     }
+    if variant != Variant::Fmi2 && !entries.contains_key(terminals::ENTRY) {
+        problems.push(format!("{} is missing", terminals::ENTRY));
+    }
     let path = library_entry(model, variant);
     match entries.get(&path) {
         None => problems.push(format!("{path} is missing")),
@@ -120,17 +124,20 @@ fn header_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Strin
     expected.into_iter().filter_map(differs).collect()
 }
 
-/// Type, reference, causality, unit, start and size by name, as the XML spells them.
-type Row = [String; 6];
+/// Type, reference, causality, unit, start, range and size by name, as the XML spells them.
+type Row = [String; 8];
 
 fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<String> {
     let expected: BTreeMap<String, Row> = variables(model, variant)
         .into_iter()
         .map(|v| {
             let (kind, causality) = (v.slot.data_type(variant), v.slot.causality());
-            let (unit, start) = (v.unit.unwrap_or_default(), v.start_text());
+            let (unit, start) = (v.unit.unwrap_or_default(), v.start.unwrap_or_default());
             let (reference, size) = (v.reference.to_string(), v.size.to_string());
-            let row = [kind, &reference, causality, unit, &start, &size].map(str::to_owned);
+            let end = |end: f64| if end.is_finite() { end.to_string() } else { String::new() };
+            let (least, greatest) = (end(v.range.0), end(v.range.1));
+            let row = [kind, &reference, causality, unit, &start, &least, &greatest, &size];
+            let row = row.map(str::to_owned);
             (v.name, row)
         })
         .collect();
@@ -151,6 +158,8 @@ fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Str
             attribute(node, "causality"),
             attribute(typed, "unit"),
             attribute(typed, "start"),
+            attribute(typed, "min"),
+            attribute(typed, "max"),
             size,
         ];
         let name = attribute(node, "name");

@@ -42,7 +42,9 @@ fn model_json(interface: &Interface) -> Value {
                 "type": v.slot.data_type(LISTED),
                 "causality": v.slot.causality(),
                 "unit": v.unit,
-                "start": v.starts.first(),
+                "start": v.start,
+                "min": v.range.0,
+                "max": v.range.1,
                 "description": v.description,
             })
         })

@@ -12,6 +12,7 @@ mod error;
 pub mod model;
 pub mod package;
 mod stamp;
+mod terminals;
 mod units;
 mod xml;
 

@@ -12,6 +12,7 @@ use crate::archive::{Entries, pack};
 use crate::description::model_description;
 use crate::documentation::page;
 use crate::model::{MODELS, archive_file, library_entry, library_file};
+use crate::terminals::{self, terminals};
 use crate::{Error, Stamp};
 
 /// Where things come from.
@@ -56,6 +57,9 @@ pub fn archive(model: &Interface, variant: Variant, sources: &Sources) -> Result
     let description = model_description(model, variant, stop, sources.stamp)?;
     entries.insert("modelDescription.xml".to_owned(), description.into_bytes());
     entries.insert("documentation/index.html".to_owned(), page(model, variant).into_bytes());
+    if variant != Variant::Fmi2 {
+        entries.insert(terminals::ENTRY.to_owned(), terminals(model, variant).into_bytes());
+    }
     let license = sources.root.join("LICENSE");
     if license.exists() {
         // Each version names the entry point of the licences in its own way.

@@ -36,8 +36,8 @@ class Fmi2:
         )
         self.get, self.set = self.fmu.getReal, self.fmu.setReal
 
-    def instantiate(self):
-        self.fmu.instantiate(callbacks=self._callbacks)
+    def instantiate(self, **options):
+        self.fmu.instantiate(callbacks=self._callbacks, **options)
 
     def start(self):
         self.fmu.setupExperiment()
@@ -62,8 +62,8 @@ class Fmi3:
         self._log, self._sizes = log, sizes
         self.set = self.fmu.setFloat64
 
-    def instantiate(self):
-        self.fmu.instantiate(logMessage=self._log)
+    def instantiate(self, **options):
+        self.fmu.instantiate(logMessage=self._log, **options)
 
     def start(self):
         self.fmu.enterInitializationMode()
@@ -78,14 +78,16 @@ class Fmi3:
 
 
 class Component:
-    """An instance from instantiation to release; use it in a `with` block."""
+    """An instance from instantiation to release; use it in a `with` block.
 
-    def __init__(self, file: Path, name: str):
+    `instantiation` goes to FMPy's `instantiate`."""
+
+    def __init__(self, file: Path, name: str, **instantiation):
         self.name = name
         self._errors: list[str] = []
         self._folder = Path(tempfile.mkdtemp(prefix=f"{file.stem}-"))
         try:
-            self._load(file)
+            self._load(file, instantiation)
         except BaseException as error:
             shutil.rmtree(self._folder, ignore_errors=True)
             if isinstance(error, Exception):
@@ -93,7 +95,7 @@ class Component:
                 raise ComponentError(f"{file}: {error}") from error
             raise
 
-    def _load(self, file: Path):
+    def _load(self, file: Path, instantiation: dict):
         self.description = fmpy.read_model_description(file)
         variables = self.description.modelVariables
         real = [v for v in variables if v.type in ("Float64", "Real")]
@@ -115,7 +117,7 @@ class Component:
         else:
             self._api = Fmi3(self._log, sizes, **options)
         self.fmu = self._api.fmu
-        self._checked(self._api.instantiate)
+        self._checked(self._api.instantiate, **instantiation)
 
     def __enter__(self):
         return self
@@ -146,10 +148,10 @@ class Component:
         if status >= fmi3Error:
             self._errors.append(message.decode("utf-8"))
 
-    def _checked(self, call, *arguments):
+    def _checked(self, call, *arguments, **options):
         self._errors.clear()
         try:
-            return call(*arguments)
+            return call(*arguments, **options)
         except Exception as error:
             reason = self._errors[0] if self._errors else str(error)
             # The C function that refused is of no use to the reader of a scenario's error.

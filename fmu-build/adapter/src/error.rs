@@ -18,8 +18,8 @@ pub enum Error {
 
     #[error("the token is \"{given}\", this library has \"{expected}\"")]
     Token { given: String, expected: String },
-    #[error("eventModeUsed: this FMU has no event mode")]
-    EventMode,
+    #[error("eventModeUsed was false at instantiation")]
+    EventModeUnused,
     #[error("log category \"{0}\" is unknown")]
     LogCategory(String),
 
@@ -35,6 +35,8 @@ pub enum Error {
     NoValue { name: String, state: &'static str },
     #[error("{name} = {value}: inputs must be finite")]
     NotFinite { name: String, value: f64 },
+    #[error("{name} = {value}: must be within {least:e} and {greatest:e}")]
+    OutOfRange { name: String, value: f64, least: f64, greatest: f64 },
     #[error("nValues is {given}, but {names} need {expected}")]
     Length { names: String, given: usize, expected: usize },
 

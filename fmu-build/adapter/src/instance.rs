@@ -1,7 +1,7 @@
 //! One instance of a component, free of any FMI version: values, steps, states, and every check.
 
 use std::collections::BTreeMap;
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ use crate::error::Error;
 use crate::guard;
 use crate::lifecycle::{Call, Lifecycle};
 use crate::logger::Logger;
-use crate::snapshot::{Hash, NO_CONFIGURATION, Snapshot, fingerprint};
+use crate::snapshot::{Hash, NO_CONFIGURATION, Parameters, Snapshot, fingerprint};
 use crate::variables::{
-    DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_starts, interface_hash, token,
+    DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_ranges, input_starts, interface_hash, token,
 };
 
 const NO_STOP: Ticks = Ticks(u64::MAX);
@@ -29,7 +29,9 @@ pub struct Instance<C: Component> {
     pub(crate) logger: Logger,
     resources: Option<PathBuf>,
     pub(crate) variant: Variant,
+    pub(crate) events: Events,
     pub(crate) interface: Hash,
+    pub(crate) input_ranges: Vec<(f64, f64)>,
     /// Present from Initialization Mode on.
     pub(crate) config: Option<Arc<Config<C>>>,
     pub(crate) live: Snapshot<C::State>,
@@ -61,12 +63,25 @@ pub enum Answer {
 
 /// What a successful step tells the importer.
 ///
-/// A run that ends within the step is over: `time_s` still is the communication point at the
-/// end of the step, and the outputs there are those with which the run ended.
+/// A run that ends within the step is over: unless steps may return early, `time_s` still is the
+/// communication point at the end of the step, with the outputs with which the run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
     pub time_s: f64,
+    /// Before the end that was asked for.
+    pub early: bool,
     pub report: StepReport,
+}
+
+/// What the importer makes of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Events {
+    /// Nothing: steps are completed, and no event is reported.
+    Unheard,
+    /// It handles them at the ends of steps.
+    AtStepEnd,
+    /// A step ends with the tick of the event.
+    ReturnEarly,
 }
 
 impl<C: Component> Instance<C> {
@@ -76,6 +91,7 @@ impl<C: Component> Instance<C> {
         possible: &[Variant],
         given: &str,
         resources: Option<PathBuf>,
+        events: Events,
         logger: Logger,
     ) -> Result<Self, Error> {
         let fits = |variant: &&Variant| token(C::INTERFACE, **variant) == given;
@@ -88,7 +104,9 @@ impl<C: Component> Instance<C> {
             logger,
             resources,
             variant,
+            events,
             interface: interface_hash(C::INTERFACE),
+            input_ranges: input_ranges(C::INTERFACE),
             config: None,
             live: initial::<C>(),
             outputs: vec![0.0; C::INTERFACE.output_len()],
@@ -147,6 +165,20 @@ impl<C: Component> Instance<C> {
     }
 
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
+        let handled = self.events != Events::Unheard;
+        self.live.lifecycle = if handled { Lifecycle::Event } else { Lifecycle::Stepping };
+        Ok(())
+    }
+
+    pub fn enter_event_mode(&mut self) -> Result<(), Error> {
+        if self.events == Events::Unheard {
+            return Err(Error::EventModeUnused);
+        }
+        self.live.lifecycle = Lifecycle::Event;
+        Ok(())
+    }
+
+    pub fn enter_step_mode(&mut self) -> Result<(), Error> {
         self.live.lifecycle = Lifecycle::Stepping;
         Ok(())
     }
@@ -185,22 +217,29 @@ impl<C: Component> Instance<C> {
         let (Some(config), Some(state)) = (&self.config, &mut self.live.state) else {
             unreachable!("from Initialization Mode on there is a component");
         };
-        let report =
-            config.component.step(state, &self.live.inputs, duration).map_err(|source| {
-                self.live.lifecycle = Lifecycle::Failed;
-                Error::Step(source)
-            })?;
-        self.live.now = next;
+        let inputs = &self.live.inputs;
+        let stepped = match self.events {
+            Events::ReturnEarly => config.component.step_to_event(state, inputs, duration),
+            _ => config.component.step(state, inputs, duration).map(|report| (duration, report)),
+        };
+        let (passed, mut report) = stepped.map_err(|source| {
+            self.live.lifecycle = Lifecycle::Failed;
+            Error::Step(source)
+        })?;
+        let happened = report.event;
+        report.terminate &= self.live.parameters.terminate_at_end;
+        report.event &= self.events != Events::Unheard;
+        self.live.now += passed;
         self.live.ended = report.terminate;
         self.refresh_outputs();
-        let time_s = next.seconds();
-        if report.event {
+        let time_s = self.live.now.seconds();
+        if happened {
             self.logger.event(&format!("t = {time_s} s: event"));
         }
         if report.terminate {
             self.logger.event(&format!("t = {time_s} s: the run has reached its end"));
         }
-        Ok(Stepped { time_s, report })
+        Ok(Stepped { time_s, early: passed < duration, report })
     }
 
     /// Whether the last step asked for the end of the run.
@@ -214,7 +253,7 @@ impl<C: Component> Instance<C> {
 
     /// (Re)creates the component from the current parameters. On error nothing has changed.
     pub(crate) fn create(&mut self) -> Result<(), Error> {
-        let (config, state) = self.load(&self.live.scenario_file)?;
+        let (config, state) = self.load(&self.live.parameters.scenario_file)?;
         self.config = Some(config);
         self.live.state = Some(state);
         self.refresh_outputs();
@@ -251,7 +290,7 @@ impl<C: Component> Instance<C> {
 fn initial<C: Component>() -> Snapshot<C::State> {
     Snapshot {
         lifecycle: Lifecycle::Instantiated,
-        scenario_file: CString::default(),
+        parameters: Parameters::default(),
         now: Ticks::ZERO,
         stop: NO_STOP,
         ended: false,

@@ -25,8 +25,7 @@ pub type Hash = [u8; 32];
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Snapshot<S> {
     pub lifecycle: Lifecycle,
-    /// The parameter as set; kept as a C string because importers get a pointer to it.
-    pub scenario_file: CString,
+    pub parameters: Parameters,
     pub now: Ticks,
     /// No step may pass it.
     pub stop: Ticks,
@@ -35,6 +34,20 @@ pub struct Snapshot<S> {
     pub inputs: Vec<f64>,
     /// Present from Initialization Mode on.
     pub state: Option<S>,
+}
+
+/// Parameters as set.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Parameters {
+    /// A C string because importers get a pointer to it.
+    pub scenario_file: CString,
+    pub terminate_at_end: bool,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { scenario_file: CString::default(), terminate_at_end: true }
+    }
 }
 
 #[derive(Debug, thiserror::Error)]

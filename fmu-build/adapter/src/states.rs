@@ -65,11 +65,12 @@ impl<C: Component> Instance<C> {
         let config = match &self.config {
             _ if !created => None,
             Some(own) if own.fingerprint == fingerprint => Some(own.clone()),
-            _ => Some(self.load(&snapshot.scenario_file)?.0),
+            _ => Some(self.load(&snapshot.parameters.scenario_file)?.0),
         };
         let state = StoredState { config, snapshot };
         if state.fingerprint() != fingerprint {
-            let scenario_file = state.snapshot.scenario_file.to_string_lossy().into_owned();
+            let scenario_file =
+                state.snapshot.parameters.scenario_file.to_string_lossy().into_owned();
             return Err(BlobError::Configuration { scenario_file }.into());
         }
         self.store(reuse, state)

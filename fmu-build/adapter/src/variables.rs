@@ -1,7 +1,7 @@
 //! The FMI variables of a component, derived from its signal table.
 //!
 //! Arrays are expanded to scalars `name[1]` …: every importer reads those, few read the arrays
-//! of FMI 3.0. References: 0 time, 1 the scenario parameter, inputs from 1000, outputs from 2000.
+//! of FMI 3.0. References: 0 time, 1 and 2 parameters, inputs from 1000, outputs from 2000.
 
 use std::fmt::Write;
 
@@ -11,11 +11,13 @@ use sha2::{Digest, Sha256};
 
 pub const TIME_REFERENCE: u32 = 0;
 pub const SCENARIO_REFERENCE: u32 = 1;
+pub const TERMINATE_REFERENCE: u32 = 2;
 pub const FIRST_INPUT: u32 = 1000;
 pub const FIRST_OUTPUT: u32 = 2000;
 
 pub const TIME_NAME: &str = "time";
 pub const SCENARIO_NAME: &str = "scenario_file";
+pub const TERMINATE_NAME: &str = "terminate_at_end";
 /// What an empty `scenario_file` stands for, relative to the resources folder.
 pub const DEFAULT_SCENARIO: &str = "scenarios/landing.toml";
 
@@ -28,6 +30,7 @@ pub fn capabilities(variant: Variant) -> Vec<(&'static str, String)> {
         flags.extend([("canGetAndSetFMUstate", yes()), ("canSerializeFMUstate", yes())]);
     } else {
         flags.extend([("canGetAndSetFMUState", yes()), ("canSerializeFMUState", yes())]);
+        flags.extend([("hasEventMode", yes()), ("mightReturnEarlyFromDoStep", yes())]);
         flags.push(("fixedInternalStepSize", TICK_S.to_string()));
     }
     flags
@@ -67,6 +70,7 @@ impl Variant {
 pub enum Slot {
     Time,
     Scenario,
+    TerminateAtEnd,
     Input(usize),
     Output(usize),
 }
@@ -85,6 +89,7 @@ impl Slot {
         match reference {
             TIME_REFERENCE => Some((Self::Time, 1)),
             SCENARIO_REFERENCE => Some((Self::Scenario, 1)),
+            TERMINATE_REFERENCE => Some((Self::TerminateAtEnd, 1)),
             FIRST_OUTPUT.. => within(FIRST_OUTPUT, interface.outputs, Self::Output),
             FIRST_INPUT.. => within(FIRST_INPUT, interface.inputs, Self::Input),
             _ => None,
@@ -104,6 +109,7 @@ impl Slot {
         match self {
             Self::Time => TIME_REFERENCE,
             Self::Scenario => SCENARIO_REFERENCE,
+            Self::TerminateAtEnd => TERMINATE_REFERENCE,
             Self::Input(index) => FIRST_INPUT + index as u32,
             Self::Output(index) => FIRST_OUTPUT + index as u32,
         }
@@ -112,7 +118,7 @@ impl Slot {
     pub fn causality(self) -> &'static str {
         match self {
             Self::Time => "independent",
-            Self::Scenario => "parameter",
+            Self::Scenario | Self::TerminateAtEnd => "parameter",
             Self::Input(_) => "input",
             Self::Output(_) => "output",
         }
@@ -120,7 +126,11 @@ impl Slot {
 
     /// FMI type name.
     pub fn data_type(self, variant: Variant) -> &'static str {
-        if self == Self::Scenario { "String" } else { variant.real_type() }
+        match self {
+            Self::Scenario => "String",
+            Self::TerminateAtEnd => "Boolean",
+            Self::Time | Self::Input(_) | Self::Output(_) => variant.real_type(),
+        }
     }
 
     pub fn name(self, interface: &Interface) -> String {
@@ -136,11 +146,14 @@ impl Slot {
         match self {
             Self::Time => TIME_NAME.to_owned(),
             Self::Scenario => SCENARIO_NAME.to_owned(),
+            Self::TerminateAtEnd => TERMINATE_NAME.to_owned(),
             Self::Input(index) => scalar(interface.inputs, index),
             Self::Output(index) => scalar(interface.outputs, index),
         }
     }
 }
+
+const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Size of the signal that begins at `index`.
 fn size_at(signals: &[Signal], index: usize) -> Option<usize> {
@@ -163,18 +176,14 @@ pub struct Variable {
     pub slot: Slot,
     /// Number of values; more than 1 is an array.
     pub size: usize,
-    /// Unit in FMI spelling; none for the string parameter.
+    /// Unit in FMI spelling; none for parameters.
     pub unit: Option<&'static str>,
-    /// Only inputs: the others have none (time, calculated outputs) or "" (the parameter).
-    pub starts: Vec<f64>,
+    /// As attributes have it, an array's with spaces between. None for time and outputs, which
+    /// are calculated.
+    pub start: Option<String>,
+    /// Ends that are not limited are infinite.
+    pub range: (f64, f64),
     pub description: &'static str,
-}
-
-impl Variable {
-    /// As attributes have it: numbers with a space between.
-    pub fn start_text(&self) -> String {
-        self.starts.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
-    }
 }
 
 /// All variables, by value reference.
@@ -186,7 +195,8 @@ pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
             slot: Slot::Time,
             size: 1,
             unit: Some("s"),
-            starts: vec![],
+            start: None,
+            range: UNLIMITED,
             description: "Simulation time",
         },
         Variable {
@@ -195,9 +205,21 @@ pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
             slot: Slot::Scenario,
             size: 1,
             unit: None,
-            starts: vec![],
+            start: Some(String::new()),
+            range: UNLIMITED,
             description: "Scenario file, absolute or relative to the resources folder; \
                           empty is scenarios/landing.toml",
+        },
+        Variable {
+            reference: TERMINATE_REFERENCE,
+            name: TERMINATE_NAME.to_owned(),
+            slot: Slot::TerminateAtEnd,
+            size: 1,
+            unit: None,
+            start: Some("true".to_owned()),
+            range: UNLIMITED,
+            description: "Ask the importer to end the simulation when the run is decided; if \
+                          false, the outputs stay as they are from then on",
         },
     ];
     all.extend(listed(interface.inputs, variant, Slot::Input));
@@ -213,14 +235,19 @@ fn listed(signals: &[Signal], variant: Variant, slot: fn(usize) -> Slot) -> Vec<
         let size = if whole { signal.size } else { 1 };
         for first in (0..signal.size).step_by(size) {
             let slot = slot(index);
-            let starts = (first..first + size).map(|scalar| signal.start_of(scalar));
+            let starts = || {
+                let starts = (first..first + size).map(|n| signal.start_of(n).to_string());
+                starts.collect::<Vec<_>>().join(" ")
+            };
+            let range = signal.range();
             all.push(Variable {
                 reference: slot.reference(),
                 name: if whole { signal.name.to_owned() } else { signal.scalar_name(first) },
                 slot,
                 size,
                 unit: Some(signal.unit),
-                starts: if matches!(slot, Slot::Input(_)) { starts.collect() } else { vec![] },
+                start: matches!(slot, Slot::Input(_)).then(starts),
+                range: (*range.start(), *range.end()),
                 description: signal.description,
             });
             index += size;
@@ -234,15 +261,24 @@ pub fn input_starts(interface: &Interface) -> Vec<f64> {
     interface.inputs.iter().flat_map(|s| (0..s.size).map(|i| s.start_of(i))).collect()
 }
 
+/// Ranges of all inputs, in table order.
+pub fn input_ranges(interface: &Interface) -> Vec<(f64, f64)> {
+    let range = |signal: &Signal| (*signal.range().start(), *signal.range().end());
+    interface.inputs.iter().flat_map(|s| std::iter::repeat_n(range(s), s.size)).collect()
+}
+
 /// SHA-256 of version, model and variables. Its bytes begin each serialised state, which all
 /// variants of one library can read.
 pub fn interface_hash(interface: &Interface) -> [u8; 32] {
     let mut text = format!("{} {}\n", interface.model, env!("CARGO_PKG_VERSION"));
     for v in variables(interface, Variant::Fmi3) {
         let (kind, causality) = (v.slot.data_type(Variant::Fmi3), v.slot.causality());
-        let (unit, start) = (v.unit.unwrap_or(""), v.start_text());
+        let Variable { reference, name, unit, start, range, description, .. } = &v;
         // Writing to a String can't fail.
-        let _ = writeln!(text, "{} {} {kind} {causality} {unit} {start}", v.reference, v.name);
+        let _ = writeln!(
+            text,
+            "{reference} {name} {kind} {causality} {unit:?} {start:?} {range:?} {description}"
+        );
     }
     Sha256::digest(text.as_bytes()).into()
 }
@@ -287,10 +323,10 @@ mod tests {
                 assert_eq!(name.split('[').next(), variable.name.split('[').next());
                 scalars += variable.size;
             }
-            assert_eq!(scalars, 2 + interface.input_len() + interface.output_len());
+            assert_eq!(scalars, 3 + interface.input_len() + interface.output_len());
             let beyond_inputs = FIRST_INPUT + interface.input_len() as u32;
             let beyond_outputs = FIRST_OUTPUT + interface.output_len() as u32;
-            for unknown in [2, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
+            for unknown in [3, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
                 assert_eq!(Slot::find(interface, variant, unknown), None, "{unknown}");
             }
         }

@@ -1,32 +1,24 @@
 //! Variables and structure as FMI 2.0 has them.
 
-use fmi_adapter::variables::{Slot, Variable};
+use fmi_adapter::variables::{Slot, Variable, Variant};
 use lander_models::signals::Interface;
 
-use super::is_output;
+use super::{borrowed, is_output, real_attributes};
 use crate::xml::Xml;
 
-/// Outputs are `initial="calculated"` by default and so have no start value.
 pub fn write_variable(xml: &mut Xml, variable: &Variable) {
-    let (reference, start) = (variable.reference.to_string(), variable.start_text());
-    let text = variable.slot == Slot::Scenario;
+    let reference = variable.reference.to_string();
+    let kind = variable.slot.data_type(Variant::Fmi2);
+    let real = kind == "Real";
     let attributes = [
         ("name", variable.name.as_str()),
         ("valueReference", &reference),
         ("causality", variable.slot.causality()),
-        ("variability", if text { "fixed" } else { "continuous" }),
+        ("variability", if real { "continuous" } else { "fixed" }),
         ("description", variable.description),
     ];
     xml.element("ScalarVariable", &attributes, |xml| {
-        if text {
-            return xml.leaf("String", &[("start", "")]);
-        }
-        let mut attributes = Vec::new();
-        attributes.extend(variable.unit.map(|unit| ("unit", unit)));
-        if !start.is_empty() {
-            attributes.push(("start", &start));
-        }
-        xml.leaf("Real", &attributes);
+        xml.leaf(kind, &borrowed(&real_attributes(variable)));
     });
 }
 

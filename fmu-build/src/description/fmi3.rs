@@ -1,34 +1,38 @@
 //! Variables and structure as FMI 3.0 has them.
 
-use fmi_adapter::variables::{SCENARIO_REFERENCE, Slot, Variable};
+use fmi_adapter::variables::{SCENARIO_REFERENCE, Variable, Variant};
 use lander_models::signals::Interface;
 
-use super::is_output;
+use super::{borrowed, is_output, real_attributes};
 use crate::xml::Xml;
 
-/// Outputs are `initial="calculated"` by default and so have no start value.
 pub fn write_variable(xml: &mut Xml, variable: &Variable) {
-    let (reference, start) = (variable.reference.to_string(), variable.start_text());
+    let reference = variable.reference.to_string();
+    let kind = variable.slot.data_type(Variant::Fmi3);
     let mut attributes = vec![
         ("name", variable.name.as_str()),
         ("valueReference", &reference),
         ("causality", variable.slot.causality()),
         ("description", variable.description),
     ];
-    if variable.slot == Slot::Scenario {
-        attributes.push(("variability", "fixed"));
-        xml.element("String", &attributes, |xml| xml.leaf("Start", &[("value", "")]));
-        return;
-    }
-    attributes.extend(variable.unit.map(|unit| ("unit", unit)));
-    if !start.is_empty() {
-        attributes.push(("start", &start));
-    }
-    if variable.size == 1 {
-        xml.leaf("Float64", &attributes);
+    let own = real_attributes(variable);
+    if kind == "Float64" {
+        attributes.extend(borrowed(&own));
     } else {
-        let size = variable.size.to_string();
-        xml.element("Float64", &attributes, |xml| xml.leaf("Dimension", &[("start", &size)]));
+        attributes.push(("variability", "fixed"));
+    }
+    let size = variable.size.to_string();
+    match (kind, &variable.start) {
+        // A string's start is an element.
+        ("String", Some(start)) => {
+            xml.element(kind, &attributes, |xml| xml.leaf("Start", &[("value", start)]));
+        }
+        ("Boolean", Some(start)) => {
+            attributes.push(("start", start));
+            xml.leaf(kind, &attributes);
+        }
+        _ if variable.size == 1 => xml.leaf(kind, &attributes),
+        _ => xml.element(kind, &attributes, |xml| xml.leaf("Dimension", &[("start", &size)])),
     }
 }
 

@@ -12,7 +12,7 @@ use lander_models::Ticks;
 use lander_models::signals::Interface;
 
 use crate::model::identifier;
-use crate::units::{BASE_NAMES, BaseUnit, base_unit};
+use crate::units::{BASE_NAMES, BaseUnit, Quantity, base_unit, quantity};
 use crate::xml::Xml;
 use crate::{Error, Stamp};
 
@@ -48,8 +48,26 @@ pub fn model_description(
         attributes.extend(flags.iter().map(|(flag, value)| (*flag, value.as_str())));
         xml.leaf("CoSimulation", &attributes);
         xml.element("UnitDefinitions", &[], |xml| {
-            for (name, base) in &units {
-                xml.element("Unit", &[("name", name)], |xml| write_base(xml, base));
+            for (name, (base, quantity)) in &units {
+                xml.element("Unit", &[("name", name)], |xml| {
+                    write_base(xml, base);
+                    if let Some((display, factor)) = quantity.display {
+                        let factor = factor.to_string();
+                        xml.leaf("DisplayUnit", &[("name", display), ("factor", &factor)]);
+                    }
+                });
+            }
+        });
+        xml.element("TypeDefinitions", &[], |xml| {
+            for (unit, (_, quantity)) in &units {
+                let name = ("name", quantity.name);
+                let mut real = vec![("quantity", quantity.name), ("unit", *unit)];
+                real.extend(quantity.display.map(|(display, _)| ("displayUnit", display)));
+                if two {
+                    xml.element("SimpleType", &[name], |xml| xml.leaf("Real", &real));
+                } else {
+                    xml.leaf("Float64Type", &[&[name], &real[..]].concat());
+                }
             }
         });
         xml.element("LogCategories", &[], |xml| {
@@ -74,12 +92,14 @@ pub fn model_description(
     Ok(xml.finish())
 }
 
+/// By name; each has one type.
 fn units(
     interface: &Interface,
     variables: &[Variable],
-) -> Result<BTreeMap<&'static str, BaseUnit>, Error> {
+) -> Result<BTreeMap<&'static str, (BaseUnit, Quantity)>, Error> {
     let known = |name: &'static str, unit: &'static str| {
-        base_unit(unit).map(|base| (unit, base)).ok_or(Error::Unit { signal: name, unit })
+        let both = base_unit(unit).zip(quantity(unit));
+        both.map(|both| (unit, both)).ok_or(Error::Unit { signal: name, unit })
     };
     let signals = interface.inputs.iter().chain(interface.outputs);
     let mut units: BTreeMap<_, _> =
@@ -103,6 +123,25 @@ fn write_base(xml: &mut Xml, base: &BaseUnit) {
         attributes.push(("factor", &factor));
     }
     xml.leaf("BaseUnit", &attributes);
+}
+
+/// Attributes of a real variable, but for those of its version. Outputs are
+/// `initial="calculated"` by default and so have no start value.
+fn real_attributes(variable: &Variable) -> Vec<(&'static str, String)> {
+    let mut attributes = Vec::new();
+    if let Some(unit) = variable.unit {
+        attributes.extend(quantity(unit).map(|q| ("declaredType", q.name.to_owned())));
+        attributes.push(("unit", unit.to_owned()));
+    }
+    let (least, greatest) = variable.range;
+    let ends = [("min", least), ("max", greatest)].into_iter().filter(|(_, end)| end.is_finite());
+    attributes.extend(ends.map(|(key, end)| (key, end.to_string())));
+    attributes.extend(variable.start.clone().map(|start| ("start", start)));
+    attributes
+}
+
+fn borrowed<'a>(attributes: &'a [(&'static str, String)]) -> Vec<(&'static str, &'a str)> {
+    attributes.iter().map(|(key, value)| (*key, value.as_str())).collect()
 }
 
 /// Those of which ModelStructure speaks.

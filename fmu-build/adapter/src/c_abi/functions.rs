@@ -159,6 +159,46 @@ pub unsafe fn set_strings<C: Component>(
     }
 }
 
+/// Each version has its own Boolean.
+pub unsafe fn get_booleans<C: Component>(
+    handle: Handle,
+    function: &str,
+    references: *const u32,
+    count: usize,
+    values: *mut impl From<bool>,
+    value_count: usize,
+) -> Status {
+    unsafe {
+        call::<C>(handle, function, Call::Get, |instance| {
+            let slots = slots(instance, references, count, "Boolean", value_count)?;
+            let values = array_mut("values", values, value_count)?;
+            for (value, found) in values.iter_mut().zip(instance.get_booleans(&slots)) {
+                *value = found.into();
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Read as numbers, 0 for false: a C `bool` of another value would be no valid Rust one.
+pub unsafe fn set_booleans<C: Component>(
+    handle: Handle,
+    function: &str,
+    references: *const u32,
+    count: usize,
+    values: *const (impl Copy + Into<i32>),
+    value_count: usize,
+) -> Status {
+    unsafe {
+        call::<C>(handle, function, Call::Set, |instance| {
+            let slots = slots(instance, references, count, "Boolean", value_count)?;
+            let values = array("values", values, value_count)?;
+            let values = values.iter().map(|value| (*value).into() != 0);
+            instance.set_booleans(&slots, &values.collect::<Vec<_>>())
+        })
+    }
+}
+
 /// Get or set of a type that no variable has: an error that names the first variable.
 pub unsafe fn refuse_type<C: Component>(
     handle: Handle,

@@ -69,10 +69,10 @@ macro_rules! export_fmi2 {
                 = c_abi::refuse_type("Integer", refs, n);
             fmi2SetInteger(refs: *const u32, n: usize, _values: *const i32)
                 = c_abi::refuse_type("Integer", refs, n);
-            fmi2GetBoolean(refs: *const u32, n: usize, _values: *mut i32)
-                = c_abi::refuse_type("Boolean", refs, n);
-            fmi2SetBoolean(refs: *const u32, n: usize, _values: *const i32)
-                = c_abi::refuse_type("Boolean", refs, n);
+            fmi2GetBoolean(refs: *const u32, n: usize, values: *mut i32)
+                = c_abi::get_booleans(refs, n, values, n);
+            fmi2SetBoolean(refs: *const u32, n: usize, values: *const i32)
+                = c_abi::set_booleans(refs, n, values, n);
             fmi2DoStep(from_s: f64, duration_s: f64, _no_set_state_prior: i32)
                 = fmi2::do_step(from_s, duration_s);
             fmi2GetStatus(kind: i32, _value: *mut i32) = fmi2::refuse_status(kind);

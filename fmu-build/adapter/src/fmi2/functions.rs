@@ -11,6 +11,7 @@ use lander_models::Component;
 use super::{Boolean, CO_SIMULATION, Callbacks, LAST_SUCCESSFUL_TIME, TERMINATED, sink, uri};
 use crate::c_abi::pointers::{place, utf8};
 use crate::c_abi::{self, Handle, Status, Text, call};
+use crate::instance::Events;
 use crate::lifecycle::Call;
 use crate::logger::Logger;
 use crate::variables::Variant;
@@ -39,7 +40,7 @@ pub unsafe fn instantiate<C: Component>(
             unsafe { utf8("fmuResourceLocation", resources) }?
         };
         let resources = (!resources.is_empty()).then(|| uri::path(resources));
-        Instance::new(&[Variant::Fmi2], token, resources, logger())
+        Instance::new(&[Variant::Fmi2], token, resources, Events::Unheard, logger())
     })
 }
 

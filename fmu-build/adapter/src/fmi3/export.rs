@@ -18,7 +18,7 @@ macro_rules! export_fmi3 {
             _visible: bool,
             logging: bool,
             event_mode: bool,
-            _early_return_allowed: bool,
+            early_return: bool,
             _intermediate_variables: *const u32,
             _intermediate_variable_count: usize,
             environment: $crate::c_abi::Handle,
@@ -31,7 +31,11 @@ macro_rules! export_fmi3 {
                     token,
                     resources,
                     logging,
-                    event_mode,
+                    match (event_mode, early_return) {
+                        (false, _) => $crate::fmi3::Events::Unheard,
+                        (true, false) => $crate::fmi3::Events::AtStepEnd,
+                        (true, true) => $crate::fmi3::Events::ReturnEarly,
+                    },
                     environment,
                     log,
                 )
@@ -93,6 +97,10 @@ macro_rules! export_fmi3 {
                 = c_abi::get_strings(refs, n, values, n_values);
             fmi3SetString(refs: *const u32, n: usize, values: *const $crate::c_abi::Text, n_values: usize)
                 = c_abi::set_strings(refs, n, values, n_values);
+            fmi3GetBoolean(refs: *const u32, n: usize, values: *mut u8, n_values: usize)
+                = c_abi::get_booleans(refs, n, values, n_values);
+            fmi3SetBoolean(refs: *const u32, n: usize, values: *const u8, n_values: usize)
+                = c_abi::set_booleans(refs, n, values, n_values);
             fmi3DoStep(
                 from_s: f64,
                 duration_s: f64,
@@ -102,6 +110,18 @@ macro_rules! export_fmi3 {
                 early: *mut bool,
                 reached_s: *mut f64
             ) = fmi3::do_step(from_s, duration_s, event, terminate, early, reached_s);
+            fmi3EnterEventMode() = fmi3::enter_event_mode();
+            fmi3EnterStepMode() = fmi3::enter_step_mode();
+            fmi3UpdateDiscreteStates(
+                needs_update: *mut bool,
+                terminate: *mut bool,
+                nominals_changed: *mut bool,
+                values_changed: *mut bool,
+                next_defined: *mut bool,
+                next_s: *mut f64
+            ) = fmi3::update_discrete_states(
+                needs_update, terminate, nominals_changed, values_changed, next_defined, next_s
+            );
             fmi3GetFMUState(state: *mut $crate::c_abi::Handle) = c_abi::get_fmu_state(state);
             fmi3SetFMUState(state: $crate::c_abi::Handle) = c_abi::set_fmu_state(state);
             fmi3FreeFMUState(state: *mut $crate::c_abi::Handle) = c_abi::free_fmu_state(state);
@@ -123,7 +143,6 @@ macro_rules! export_fmi3 {
             fmi3GetUInt32, fmi3SetUInt32, "UInt32", u32;
             fmi3GetInt64, fmi3SetInt64, "Int64", i64;
             fmi3GetUInt64, fmi3SetUInt64, "UInt64", u64;
-            fmi3GetBoolean, fmi3SetBoolean, "Boolean", bool;
         }
 
         $crate::fmi_unsupported! { $component:
@@ -152,10 +171,6 @@ macro_rules! export_fmi3 {
             fmi3SetShiftDecimal(*const u32, usize, *const f64);
             fmi3SetShiftFraction(*const u32, usize, *const u64, *const u64);
             fmi3EvaluateDiscreteStates();
-            fmi3UpdateDiscreteStates(
-                *mut bool, *mut bool, *mut bool, *mut bool, *mut bool, *mut f64
-            );
-            fmi3EnterEventMode();
             fmi3EnterContinuousTimeMode();
             fmi3CompletedIntegratorStep(bool, *mut bool, *mut bool);
             fmi3SetTime(f64);
@@ -166,7 +181,6 @@ macro_rules! export_fmi3 {
             fmi3GetNominalsOfContinuousStates(*mut f64, usize);
             fmi3GetNumberOfEventIndicators(*mut usize);
             fmi3GetNumberOfContinuousStates(*mut usize);
-            fmi3EnterStepMode();
             fmi3GetOutputDerivatives(*const u32, usize, *const i32, *mut f64, usize);
             fmi3ActivateModelPartition(u32, f64);
         }

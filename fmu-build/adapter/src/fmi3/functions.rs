@@ -7,32 +7,30 @@
 use lander_models::Component;
 
 use super::{LogMessage, sink};
+use crate::Instance;
 use crate::c_abi::pointers::{place, utf8};
 use crate::c_abi::{self, Handle, Status, Text, call};
+use crate::instance::Events;
 use crate::lifecycle::Call;
 use crate::logger::Logger;
 use crate::variables::Variant;
-use crate::{Error, Instance};
 
 pub unsafe fn instantiate<C: Component>(
     function: &str,
     token: Text,
     resources: Text,
     logging: bool,
-    event_mode: bool,
+    events: Events,
     environment: Handle,
     log: LogMessage,
 ) -> Handle {
     let logger = || Logger::new(sink(environment, log), logging);
     c_abi::instantiate::<C>(function, logger, || {
-        if event_mode {
-            return Err(Error::EventMode);
-        }
         let token = unsafe { utf8("instantiationToken", token) }?;
         let resources =
             if resources.is_null() { "" } else { unsafe { utf8("resourcePath", resources) }? };
         let resources = (!resources.is_empty()).then(|| resources.into());
-        Instance::new(&[Variant::Fmi3, Variant::Fmi3Arrays], token, resources, logger())
+        Instance::new(&[Variant::Fmi3, Variant::Fmi3Arrays], token, resources, events, logger())
     })
 }
 
@@ -74,8 +72,44 @@ pub unsafe fn do_step<C: Component>(
             let early = place("earlyReturn", early)?;
             let reached_s = place("lastSuccessfulTime", reached_s)?;
             let stepped = instance.step(from_s, duration_s)?;
-            (*event, *terminate, *early) = (false, stepped.report.terminate, false);
-            *reached_s = stepped.time_s;
+            (*event, *terminate) = (stepped.report.event, stepped.report.terminate);
+            (*early, *reached_s) = (stepped.early, stepped.time_s);
+            Ok(())
+        })
+    }
+}
+
+pub unsafe fn enter_event_mode<C: Component>(handle: Handle, function: &str) -> Status {
+    unsafe { call::<C>(handle, function, Call::EnterEvent, Instance::<C>::enter_event_mode) }
+}
+
+pub unsafe fn enter_step_mode<C: Component>(handle: Handle, function: &str) -> Status {
+    unsafe { call::<C>(handle, function, Call::InEvent, Instance::<C>::enter_step_mode) }
+}
+
+/// Nothing is left to update: an event has happened by the time it is told, and the next one is
+/// not foreseen.
+pub unsafe fn update_discrete_states<C: Component>(
+    handle: Handle,
+    function: &str,
+    needs_update: *mut bool,
+    terminate: *mut bool,
+    nominals_changed: *mut bool,
+    values_changed: *mut bool,
+    next_event_defined: *mut bool,
+    next_event_s: *mut f64,
+) -> Status {
+    unsafe {
+        call::<C>(handle, function, Call::InEvent, |instance| {
+            let needs_update = place("discreteStatesNeedUpdate", needs_update)?;
+            let terminate = place("terminateSimulation", terminate)?;
+            let nominals = place("nominalsOfContinuousStatesChanged", nominals_changed)?;
+            let values = place("valuesOfContinuousStatesChanged", values_changed)?;
+            let next_defined = place("nextEventTimeDefined", next_event_defined)?;
+            // Undefined, so not looked at, but a null pointer is a mistake all the same.
+            place("nextEventTime", next_event_s)?;
+            (*needs_update, *nominals, *values, *next_defined) = (false, false, false, false);
+            *terminate = instance.has_ended();
             Ok(())
         })
     }

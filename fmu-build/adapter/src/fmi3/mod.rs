@@ -9,6 +9,7 @@ pub use functions::*;
 
 use crate::c_abi::message_text;
 pub use crate::c_abi::{Handle, Status, Text};
+pub use crate::instance::Events;
 use crate::logger::Sink;
 
 /// `fmi3LogMessageCallback`; null means that nobody listens.

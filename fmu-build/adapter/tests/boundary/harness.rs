@@ -6,7 +6,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use fmi_adapter::Variant;
-use fmi_adapter::fmi3::Status;
+use fmi_adapter::fmi3::{Events, Status};
 use lander_models::Component;
 
 use crate::integrator::Integrator;
@@ -63,12 +63,12 @@ pub struct Importer {
 impl Importer {
     pub fn new(resources: &Resources) -> Self {
         let path = CString::new(resources.0.to_str().unwrap()).unwrap();
-        let importer = Self::with(Some(&token()), Some(&path), false);
+        let importer = Self::with(Some(&token()), Some(&path), Events::Unheard);
         assert!(!importer.instance.is_null());
         importer
     }
 
-    pub fn with(token: Option<&CStr>, resources: Option<&CStr>, event_mode: bool) -> Self {
+    pub fn with(token: Option<&CStr>, resources: Option<&CStr>, events: Events) -> Self {
         let messages = Box::into_raw(Box::new(Messages::new()));
         let pointer = |text: Option<&CStr>| text.map_or(ptr::null(), CStr::as_ptr);
         let instance = unsafe {
@@ -78,8 +78,8 @@ impl Importer {
                 pointer(resources),
                 false,
                 false,
-                event_mode,
-                false,
+                events != Events::Unheard,
+                events == Events::ReturnEarly,
                 ptr::null(),
                 0,
                 messages.cast(),
@@ -88,6 +88,12 @@ impl Importer {
             )
         };
         Self { instance, messages }
+    }
+
+    /// An importer that handles events.
+    pub fn hearing(resources: &Resources, events: Events) -> Self {
+        let path = CString::new(resources.0.to_str().unwrap()).unwrap();
+        Self::with(Some(&token()), Some(&path), events)
     }
 
     /// In Step Mode, under the default scenario.
