@@ -151,13 +151,16 @@ fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Str
             Variant::Fmi3 | Variant::Fmi3Arrays => node,
         };
         let attribute = |node: Node, key| node.attribute(key).unwrap_or_default().to_owned();
+        // A string of FMI 3.0 has its start in an element.
+        let start =
+            child(node, "Start").map_or(attribute(typed, "start"), |s| attribute(s, "value"));
         let size = child(node, "Dimension").map_or("1".to_owned(), |d| attribute(d, "start"));
         let row = [
             typed.tag_name().name().to_owned(),
             attribute(node, "valueReference"),
             attribute(node, "causality"),
             attribute(typed, "unit"),
-            attribute(typed, "start"),
+            start,
             attribute(typed, "min"),
             attribute(typed, "max"),
             size,

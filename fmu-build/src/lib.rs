@@ -11,6 +11,7 @@ mod documentation;
 mod error;
 pub mod model;
 pub mod package;
+pub mod ssp;
 mod stamp;
 mod terminals;
 mod units;

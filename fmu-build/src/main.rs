@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::check::check;
 use fmu_build::model::MODELS;
 use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp, describe};
+use fmu_build::{Error, Stamp, describe, ssp};
 
 #[derive(Parser)]
 #[command(version, about = "Packs, describes and checks the lander FMUs (FMI 2.0 and 3.0)")]
@@ -28,6 +28,18 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
         /// Workspace root, for models/ and LICENSE
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        root: PathBuf,
+    },
+    /// Pack FMUs into lander.ssp (FMI 2.0) and lander-fmi3.ssp
+    Ssp {
+        /// Folder with the FMUs that `build` wrote
+        #[arg(long, value_name = "DIR")]
+        fmus: PathBuf,
+        /// Where to write the SSP files; the folder of the FMUs if not given
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Workspace root, for models/
         #[arg(long, value_name = "DIR", default_value = ".")]
         root: PathBuf,
     },
@@ -58,12 +70,13 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<bool, Error> {
     match command {
         Command::Build { libraries, out, root } => {
-            let epoch = std::env::var("SOURCE_DATE_EPOCH").ok();
-            let stamp = Stamp::parse(epoch.as_deref())?;
-            for file in build(&Sources { libraries: &libraries, root: &root, stamp }, &out)? {
-                say(format_args!("wrote {}", file.display()));
-            }
-            Ok(true)
+            let stamp = stamp()?;
+            let sources = Sources { libraries: &libraries, root: &root, stamp };
+            Ok(wrote(&build(&sources, &out)?))
+        }
+        Command::Ssp { fmus, out, root } => {
+            let out = out.unwrap_or_else(|| fmus.clone());
+            Ok(wrote(&ssp::build(&fmus, &root, stamp()?, &out)?))
         }
         Command::Describe { json: true } => print(&format!("{:#}\n", describe::json(&MODELS))),
         Command::Describe { json: false } => print(&describe::table(&MODELS)),
@@ -82,6 +95,15 @@ fn run(command: Command) -> Result<bool, Error> {
             Ok(good)
         }
     }
+}
+
+fn stamp() -> Result<Stamp, Error> {
+    Stamp::parse(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref())
+}
+
+fn wrote(files: &[PathBuf]) -> bool {
+    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    true
 }
 
 /// To standard error. Nobody left to read it is no failure.

@@ -34,6 +34,11 @@ pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
             Ok((out.join(archive_file(model, variant)), archive(model, variant, sources)?))
         })
         .collect::<Result<_, Error>>()?;
+    write_all(out, made)
+}
+
+/// Writes files into the folder `out` and returns their paths.
+pub(crate) fn write_all(out: &Path, made: Vec<(PathBuf, Vec<u8>)>) -> Result<Vec<PathBuf>, Error> {
     fs::create_dir_all(out).map_err(Error::write(out))?;
     for (file, bytes) in &made {
         write_whole(file, bytes)?;
@@ -75,10 +80,15 @@ fn validate_scenarios(models: &Path) -> Result<Ticks, Error> {
     for file in files(&models.join("scenarios"), "toml")? {
         Scenario::load(&file)?;
     }
+    default_stop(models)
+}
+
+/// Stop time of the default scenario.
+pub(crate) fn default_stop(models: &Path) -> Result<Ticks, Error> {
     Ok(Scenario::load(&models.join(DEFAULT_SCENARIO))?.0.stop_time)
 }
 
-fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
+pub(crate) fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
     let listing = fs::read_dir(folder).map_err(Error::read(folder))?;
     let mut files = Vec::new();
     for entry in listing {
@@ -91,13 +101,13 @@ fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn read(file: &Path) -> Result<Vec<u8>, Error> {
     fs::read(file).map_err(Error::read(file))
 }
 
 /// Under a temporary name first: nobody ever opens half an archive.
 fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let partial = file.with_extension("fmu.partial");
+    let partial = file.with_added_extension("partial");
     let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, file));
     written.map_err(|error| {
         // The first error is the one to report.

@@ -128,8 +128,9 @@ class Component:
 
     def initialize(self, scenario_file: Path):
         """To the state at t = 0 of a scenario."""
-        reference = self._references["scenario_file"]
-        self._checked(self.fmu.setString, [reference], [str(scenario_file)])
+        references = self._references
+        self._checked(self.fmu.setString, [references["scenario_file"]], [str(scenario_file)])
+        self._checked(self.fmu.setBoolean, [references["terminate_at_end"]], [True])
         self._checked(self._api.start)
 
     def get(self, references: list[int]) -> list[float]:

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::lifecycle::Lifecycle;
+use crate::variables::DEFAULT_SCENARIO;
 
 /// SHA-256.
 pub type Hash = [u8; 32];
@@ -44,9 +45,12 @@ pub struct Parameters {
     pub terminate_at_end: bool,
 }
 
+/// Start values. Several importers take a run that asks for its end for a failure (FMI 2.0 has no
+/// other way than to discard the step): it has to be asked for.
 impl Default for Parameters {
     fn default() -> Self {
-        Self { scenario_file: CString::default(), terminate_at_end: true }
+        let scenario_file = CString::new(DEFAULT_SCENARIO).unwrap_or_default();
+        Self { scenario_file, terminate_at_end: false }
     }
 }
 

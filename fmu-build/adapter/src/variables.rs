@@ -18,7 +18,7 @@ pub const FIRST_OUTPUT: u32 = 2000;
 pub const TIME_NAME: &str = "time";
 pub const SCENARIO_NAME: &str = "scenario_file";
 pub const TERMINATE_NAME: &str = "terminate_at_end";
-/// What an empty `scenario_file` stands for, relative to the resources folder.
+/// Start value of `scenario_file`, relative to the resources folder; empty stands for it too.
 pub const DEFAULT_SCENARIO: &str = "scenarios/landing.toml";
 
 /// CoSimulation attributes of modelDescription.xml: what is true, and nothing more.
@@ -205,10 +205,9 @@ pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
             slot: Slot::Scenario,
             size: 1,
             unit: None,
-            start: Some(String::new()),
+            start: Some(DEFAULT_SCENARIO.to_owned()),
             range: UNLIMITED,
-            description: "Scenario file, absolute or relative to the resources folder; \
-                          empty is scenarios/landing.toml",
+            description: "Scenario file, absolute or relative to the resources folder",
         },
         Variable {
             reference: TERMINATE_REFERENCE,
@@ -216,7 +215,7 @@ pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
             slot: Slot::TerminateAtEnd,
             size: 1,
             unit: None,
-            start: Some("true".to_owned()),
+            start: Some(false.to_string()),
             range: UNLIMITED,
             description: "Ask the importer to end the simulation when the run is decided; if \
                           false, the outputs stay as they are from then on",

@@ -17,7 +17,7 @@ use crate::xml::Xml;
 use crate::{Error, Stamp};
 
 /// Communication step of the co-simulation schedule (cosim-tests/schedule.toml).
-const DEFAULT_STEP: Ticks = Ticks(10);
+pub const DEFAULT_STEP: Ticks = Ticks(10);
 
 /// `default_stop` is the stop time of the default scenario.
 pub fn model_description(
@@ -50,7 +50,7 @@ pub fn model_description(
         xml.element("UnitDefinitions", &[], |xml| {
             for (name, (base, quantity)) in &units {
                 xml.element("Unit", &[("name", name)], |xml| {
-                    write_base(xml, base);
+                    write_base(xml, "BaseUnit", base);
                     if let Some((display, factor)) = quantity.display {
                         let factor = factor.to_string();
                         xml.leaf("DisplayUnit", &[("name", display), ("factor", &factor)]);
@@ -111,7 +111,8 @@ fn units(
     Ok(units)
 }
 
-fn write_base(xml: &mut Xml, base: &BaseUnit) {
+/// `element` is its name with the prefix that the document has.
+pub fn write_base(xml: &mut Xml, element: &'static str, base: &BaseUnit) {
     let exponents = base.exponents.map(|exponent| exponent.to_string());
     let factor = base.factor.to_string();
     let mut attributes: Vec<_> = BASE_NAMES
@@ -122,7 +123,7 @@ fn write_base(xml: &mut Xml, base: &BaseUnit) {
     if base.factor != 1.0 {
         attributes.push(("factor", &factor));
     }
-    xml.leaf("BaseUnit", &attributes);
+    xml.leaf(element, &attributes);
 }
 
 /// Attributes of a real variable, but for those of its version. Outputs are

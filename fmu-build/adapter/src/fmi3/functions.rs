@@ -3,6 +3,7 @@
 //! SAFETY, the same for every `unsafe` below: the contract in `c_abi`.
 
 #![expect(clippy::missing_safety_doc, reason = "one contract for all, in `c_abi`")]
+#![expect(clippy::too_many_arguments, reason = "as many as the C functions have")]
 
 use lander_models::Component;
 

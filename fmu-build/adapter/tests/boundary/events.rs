@@ -33,6 +33,7 @@ fn enter_step_mode(importer: &Importer) -> Status {
 /// In Step Mode, by way of the Event Mode that follows initialisation.
 fn stepping(resources: &Resources, events: Events) -> Importer {
     let importer = Importer::hearing(resources, events);
+    assert_eq!(importer.set_terminate_at_end(), Status::Ok);
     importer.start();
     importer.refused(importer.step(0.0, 0.01).0, "not allowed in state Event Mode");
     assert_eq!(update(&importer), (Status::Ok, false));

@@ -156,6 +156,10 @@ impl Importer {
         unsafe { CStr::from_ptr(value) }.to_str().unwrap().to_owned()
     }
 
+    pub fn set_terminate_at_end(&self) -> Status {
+        unsafe { crate::fmi3SetBoolean(self.instance, &2, 1, &1, 1) }
+    }
+
     pub fn try_get(&self, references: &[u32], values: &mut [f64]) -> Status {
         let (r, v) = (references.as_ptr(), values.as_mut_ptr());
         unsafe { crate::fmi3GetFloat64(self.instance, r, references.len(), v, values.len()) }

@@ -60,7 +60,7 @@ fn start_values_can_be_read_before_initialization() {
     let resources = Resources::new();
     let importer = Importer::new(&resources);
     assert_eq!(importer.get([0, RATE_1, TROUBLE]), [0.0, 0.5, 0.5]);
-    assert_eq!(importer.scenario(), "");
+    assert_eq!(importer.scenario(), "scenarios/landing.toml");
     assert_eq!((importer.set(RATE_1, 7.0), importer.get([RATE_1])), (Status::Ok, [7.0]));
     let both = importer.try_get(&[RATE_1, X_2], &mut [0.0; 2]);
     importer.refused(both, "x[2] is an output: it has no value in state Instantiated");
@@ -120,7 +120,9 @@ fn wobbling_communication_points_stay_on_the_ticks() {
 #[test]
 fn events_and_the_end_reach_the_importer() {
     let resources = Resources::new();
-    let importer = Importer::stepping(&resources);
+    let importer = Importer::new(&resources);
+    assert_eq!(importer.set_terminate_at_end(), Status::Ok);
+    importer.start();
     importer.set(TROUBLE, EVENT);
     assert_eq!(importer.step(0.0, 0.01), (Status::Ok, false, false, false, 0.01));
     assert_eq!(importer.take(), [], "debug logging is off");
@@ -148,11 +150,10 @@ fn events_and_the_end_reach_the_importer() {
 }
 
 #[test]
-fn a_run_that_is_not_to_end_goes_on() {
+fn unless_asked_a_run_goes_on_after_its_end() {
     let resources = Resources::new();
     let importer = Importer::new(&resources);
     unsafe {
-        assert_eq!(crate::fmi3SetBoolean(importer.instance, &2, 1, &0, 1), Status::Ok);
         importer.start();
         let mut value = 7;
         assert_eq!(crate::fmi3GetBoolean(importer.instance, &2, 1, &mut value, 1), Status::Ok);
