@@ -49,6 +49,12 @@ pub fn build_fmus(workspace: &Workspace) -> Result<(), Failure> {
     run("fmu-build", command.arg("--out").arg(workspace.fmus()))
 }
 
+/// The SSP files around the FMUs.
+pub fn build_systems(workspace: &Workspace) -> Result<(), Failure> {
+    let mut command = in_root(Command::new(workspace.release("fmu-build")), workspace);
+    run("fmu-build", command.args(["ssp", "--fmus"]).arg(workspace.fmus()))
+}
+
 pub fn in_root(mut command: Command, workspace: &Workspace) -> Command {
     command.current_dir(&workspace.root);
     command

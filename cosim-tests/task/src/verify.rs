@@ -2,7 +2,8 @@
 
 use std::process::{Command, Stdio};
 
-use crate::land::{build, build_fmus, in_root};
+use crate::importers;
+use crate::land::{build, build_fmus, build_systems, in_root};
 use crate::python;
 use crate::steps::{Failure, Steps, run, say};
 use crate::validation::{self, Accept};
@@ -10,7 +11,7 @@ use crate::workspace::Workspace;
 
 pub fn verify(accept: Accept) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
-    let mut steps = Steps::new(8);
+    let mut steps = Steps::new(9);
     let result = checks(&workspace, &mut steps, accept);
     summarise(&steps, result.is_ok());
     result.map(|()| 0)
@@ -28,7 +29,8 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
         validation::start()?;
         cargo(test_command())
     })?;
-    steps.run("FMUs", || build_fmus(workspace))?;
+    steps.run("FMUs", || build_fmus(workspace).and_then(|()| build_systems(workspace)))?;
+    steps.run("importers", importers::install)?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
