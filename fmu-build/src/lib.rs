@@ -4,6 +4,7 @@
 //! `lander_models::signals`: `description` writes the XML, `documentation` the HTML page.
 
 mod archive;
+pub mod capabilities;
 pub mod check;
 pub mod describe;
 mod description;

@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::check::check;
 use fmu_build::model::MODELS;
 use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp, describe, ssp};
+use fmu_build::{Error, Stamp, capabilities, describe, ssp};
 
 #[derive(Parser)]
 #[command(version, about = "Packs, describes and checks the lander FMUs (FMI 2.0 and 3.0)")]
@@ -47,6 +47,9 @@ enum Command {
     Describe {
         #[arg(long)]
         json: bool,
+        /// The capability table, docs/FMI.md
+        #[arg(long, conflicts_with = "json")]
+        capabilities: bool,
     },
     /// Verify structure and variables of finished FMUs
     Check {
@@ -78,8 +81,9 @@ fn run(command: Command) -> Result<bool, Error> {
             let out = out.unwrap_or_else(|| fmus.clone());
             Ok(wrote(&ssp::build(&fmus, &root, stamp()?, &out)?))
         }
-        Command::Describe { json: true } => print(&format!("{:#}\n", describe::json(&MODELS))),
-        Command::Describe { json: false } => print(&describe::table(&MODELS)),
+        Command::Describe { capabilities: true, .. } => print(&capabilities::page()?),
+        Command::Describe { json: true, .. } => print(&format!("{:#}\n", describe::json(&MODELS))),
+        Command::Describe { .. } => print(&describe::table(&MODELS)),
         Command::Check { files } => {
             let mut good = true;
             for file in files {

@@ -28,6 +28,7 @@ pub fn capabilities(variant: Variant) -> Vec<(&'static str, String)> {
     let mut flags = vec![("canHandleVariableCommunicationStepSize", yes())];
     if variant == Variant::Fmi2 {
         flags.extend([("canGetAndSetFMUstate", yes()), ("canSerializeFMUstate", yes())]);
+        flags.push(("canNotUseMemoryManagementFunctions", yes()));
     } else {
         flags.extend([("canGetAndSetFMUState", yes()), ("canSerializeFMUState", yes())]);
         flags.extend([("hasEventMode", yes()), ("mightReturnEarlyFromDoStep", yes())]);
