@@ -5,14 +5,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use fmi_adapter::variables::{DEFAULT_SCENARIO, Slot, hex};
-use fmi_adapter::{token, variables};
+use fmi_adapter::variables::{DEFAULT_SCENARIO, Slot};
+use fmi_adapter::{Variant, token, variables};
 use lander_models::signals::Interface;
 use roxmltree::{Document, Node};
 use zip::ZipArchive;
 
 use crate::Error;
 use crate::model::{MODELS, identifier, library_entry};
+use crate::terminals;
 
 /// The problems found in `file`; an error if it is no readable zip archive at all.
 pub fn check(file: &Path) -> Result<Vec<String>, Error> {
@@ -42,11 +43,22 @@ pub fn check(file: &Path) -> Result<Vec<String>, Error> {
         problems.push(format!("modelName \"{name}\" is none of this kit's models"));
         return Ok(problems);
     };
-    problems.extend(entry_problems(model, &entries));
-    problems.extend(header_problems(model, root));
-    problems.extend(variable_problems(model, root));
-    problems.extend(structure_problems(model, root));
+    let variant = variant_of(root);
+    problems.extend(entry_problems(model, variant, &entries));
+    problems.extend(header_problems(model, variant, root));
+    problems.extend(variable_problems(model, variant, root));
+    problems.extend(structure_problems(model, variant, root));
     Ok(problems)
+}
+
+fn variant_of(root: Node) -> Variant {
+    if root.attribute("fmiVersion") == Some("2.0") {
+        Variant::Fmi2
+    } else if root.descendants().any(|node| node.has_tag_name("Dimension")) {
+        Variant::Fmi3Arrays
+    } else {
+        Variant::Fmi3
+    }
 }
 
 fn unpack(file: &Path) -> Result<BTreeMap<String, Vec<u8>>, Error> {
@@ -63,7 +75,11 @@ fn unpack(file: &Path) -> Result<BTreeMap<String, Vec<u8>>, Error> {
     Ok(entries)
 }
 
-fn entry_problems(model: &Interface, entries: &BTreeMap<String, Vec<u8>>) -> Vec<String> {
+fn entry_problems(
+    model: &Interface,
+    variant: Variant,
+    entries: &BTreeMap<String, Vec<u8>>,
+) -> Vec<String> {
     let mut problems = Vec::new();
     let scenario = format!("resources/{DEFAULT_SCENARIO}");
     for path in [scenario.as_str(), "documentation/index.html"] {
@@ -71,25 +87,34 @@ fn entry_problems(model: &Interface, entries: &BTreeMap<String, Vec<u8>>) -> Vec
             problems.push(format!("{path} is missing"));
         }
     }
-    let path = library_entry(model);
+    if variant != Variant::Fmi2 && !entries.contains_key(terminals::ENTRY) {
+        problems.push(format!("{} is missing", terminals::ENTRY));
+    }
+    let path = library_entry(model, variant);
     match entries.get(&path) {
         None => problems.push(format!("{path} is missing")),
         Some(library) if !library.starts_with(b"\x7fELF") => {
             problems.push(format!("{path} is not an ELF library"));
         }
-        Some(library) if !library.windows(10).any(|bytes| bytes == b"fmi3DoStep") => {
-            problems.push(format!("{path} does not export fmi3DoStep"));
+        Some(library) => {
+            let step = if variant == Variant::Fmi2 { "fmi2DoStep" } else { "fmi3DoStep" };
+            if !library.windows(step.len()).any(|bytes| bytes == step.as_bytes()) {
+                problems.push(format!("{path} does not export {step}"));
+            }
         }
-        Some(_) => {}
     }
     problems
 }
 
-fn header_problems(model: &Interface, root: Node) -> Vec<String> {
+fn header_problems(model: &Interface, variant: Variant, root: Node) -> Vec<String> {
     let interface = child(root, "CoSimulation");
+    let (version, key) = match variant {
+        Variant::Fmi2 => ("2.0", "guid"),
+        Variant::Fmi3 | Variant::Fmi3Arrays => ("3.0", "instantiationToken"),
+    };
     let expected = [
-        (Some(root), "fmiVersion", "3.0".to_owned()),
-        (Some(root), "instantiationToken", hex(&token(model))),
+        (Some(root), "fmiVersion", version.to_owned()),
+        (Some(root), key, token(model, variant)),
         (interface, "modelIdentifier", identifier(model)),
     ];
     let differs = |(node, key, value): (Option<Node>, &str, String)| {
@@ -99,17 +124,20 @@ fn header_problems(model: &Interface, root: Node) -> Vec<String> {
     expected.into_iter().filter_map(differs).collect()
 }
 
-/// Type, reference, causality, unit and start by name, as the XML spells them.
-type Row = [String; 5];
+/// Type, reference, causality, unit, start, range and size by name, as the XML spells them.
+type Row = [String; 8];
 
-fn variable_problems(model: &Interface, root: Node) -> Vec<String> {
-    let expected: BTreeMap<String, Row> = variables(model)
+fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<String> {
+    let expected: BTreeMap<String, Row> = variables(model, variant)
         .into_iter()
         .map(|v| {
-            let start = v.start.map(|start| start.to_string()).unwrap_or_default();
-            let (kind, causality) = (v.slot.data_type(), v.slot.causality());
-            let unit = v.unit.unwrap_or_default();
-            let row = [kind, &v.reference.to_string(), causality, unit, &start].map(str::to_owned);
+            let (kind, causality) = (v.slot.data_type(variant), v.slot.causality());
+            let (unit, start) = (v.unit.unwrap_or_default(), v.start.unwrap_or_default());
+            let (reference, size) = (v.reference.to_string(), v.size.to_string());
+            let end = |end: f64| if end.is_finite() { end.to_string() } else { String::new() };
+            let (least, greatest) = (end(v.range.0), end(v.range.1));
+            let row = [kind, &reference, causality, unit, &start, &least, &greatest, &size];
+            let row = row.map(str::to_owned);
             (v.name, row)
         })
         .collect();
@@ -117,12 +145,27 @@ fn variable_problems(model: &Interface, root: Node) -> Vec<String> {
     let mut problems = Vec::new();
     let listed = child(root, "ModelVariables").into_iter().flat_map(|n| n.children());
     for node in listed.filter(Node::is_element) {
-        let attribute = |key| node.attribute(key).unwrap_or_default().to_owned();
-        let [reference, causality, unit, start] =
-            ["valueReference", "causality", "unit", "start"].map(attribute);
-        let kind = node.tag_name().name().to_owned();
-        let row = [kind, reference, causality, unit, start];
-        let name = attribute("name");
+        // FMI 2.0 has the type in an element of its own.
+        let typed = match variant {
+            Variant::Fmi2 => node.first_element_child().unwrap_or(node),
+            Variant::Fmi3 | Variant::Fmi3Arrays => node,
+        };
+        let attribute = |node: Node, key| node.attribute(key).unwrap_or_default().to_owned();
+        // A string of FMI 3.0 has its start in an element.
+        let start =
+            child(node, "Start").map_or(attribute(typed, "start"), |s| attribute(s, "value"));
+        let size = child(node, "Dimension").map_or("1".to_owned(), |d| attribute(d, "start"));
+        let row = [
+            typed.tag_name().name().to_owned(),
+            attribute(node, "valueReference"),
+            attribute(node, "causality"),
+            attribute(typed, "unit"),
+            start,
+            attribute(typed, "min"),
+            attribute(typed, "max"),
+            size,
+        ];
+        let name = attribute(node, "name");
         if found.insert(name.clone(), row).is_some() {
             problems.push(format!("variable {name} is listed twice"));
         }
@@ -141,19 +184,30 @@ fn variable_problems(model: &Interface, root: Node) -> Vec<String> {
     problems
 }
 
-fn structure_problems(model: &Interface, root: Node) -> Vec<String> {
-    let outputs = variables(model).into_iter().filter(|v| matches!(v.slot, Slot::Output(_)));
-    let expected: Vec<String> = outputs.map(|v| v.reference.to_string()).collect();
+fn structure_problems(model: &Interface, variant: Variant, root: Node) -> Vec<String> {
+    let listed = variables(model, variant);
+    let outputs = listed.iter().enumerate().filter(|(_, v)| matches!(v.slot, Slot::Output(_)));
+    let expected: Vec<String> = outputs
+        .map(|(at, v)| match variant {
+            Variant::Fmi2 => (at + 1).to_string(),
+            Variant::Fmi3 | Variant::Fmi3Arrays => v.reference.to_string(),
+        })
+        .collect();
     let structure = child(root, "ModelStructure");
-    let differs = |element: &str| {
-        let nodes = structure.into_iter().flat_map(|node| node.children());
-        let found: Vec<_> = nodes
-            .filter(|node| node.has_tag_name(element))
-            .map(|node| node.attribute("valueReference").unwrap_or_default())
-            .collect();
-        (found != expected).then(|| format!("ModelStructure/{element} does not list all outputs"))
+    let unknowns = |element: &str| -> Vec<&str> {
+        let nodes = structure.into_iter();
+        if variant == Variant::Fmi2 {
+            let nodes = nodes.filter_map(|node| child(node, &format!("{element}s")));
+            let nodes = nodes.flat_map(|node| node.children());
+            return nodes.filter_map(|node| node.attribute("index")).collect();
+        }
+        let nodes = nodes.flat_map(|node| node.children());
+        let nodes = nodes.filter(|node| node.has_tag_name(element));
+        nodes.filter_map(|node| node.attribute("valueReference")).collect()
     };
-    ["Output", "InitialUnknown"].into_iter().filter_map(differs).collect()
+    let differs = |element: &&str| unknowns(element) != expected;
+    let lists = ["Output", "InitialUnknown"].into_iter().filter(differs);
+    lists.map(|list| format!("ModelStructure/{list} does not list all outputs")).collect()
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {

@@ -1,9 +1,10 @@
-//! Packs the two shell libraries into FMI 3.0 FMUs, and looks into FMUs.
+//! Packs the two shell libraries into FMUs of FMI 2.0 and 3.0, and looks into FMUs.
 //!
 //! Everything that an FMU says about itself is generated from the signal tables in
 //! `lander_models::signals`: `description` writes the XML, `documentation` the HTML page.
 
 mod archive;
+pub mod capabilities;
 pub mod check;
 pub mod describe;
 mod description;
@@ -11,7 +12,9 @@ mod documentation;
 mod error;
 pub mod model;
 pub mod package;
+pub mod ssp;
 mod stamp;
+mod terminals;
 mod units;
 mod xml;
 

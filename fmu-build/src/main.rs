@@ -8,10 +8,10 @@ use clap::{Parser, Subcommand};
 use fmu_build::check::check;
 use fmu_build::model::MODELS;
 use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp, describe};
+use fmu_build::{Error, Stamp, capabilities, describe, ssp};
 
 #[derive(Parser)]
-#[command(version, about = "Packs, describes and checks the lander FMUs (FMI 3.0)")]
+#[command(version, about = "Packs, describes and checks the lander FMUs (FMI 2.0 and 3.0)")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -19,7 +19,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Pack the shell libraries into lander-truth.fmu and scvx-guidance.fmu
+    /// Pack the shell libraries into FMUs: each for FMI 2.0, FMI 3.0 and FMI 3.0 with arrays
     Build {
         /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so
         #[arg(long, value_name = "DIR")]
@@ -31,10 +31,25 @@ enum Command {
         #[arg(long, value_name = "DIR", default_value = ".")]
         root: PathBuf,
     },
+    /// Pack FMUs into lander.ssp (FMI 2.0) and lander-fmi3.ssp
+    Ssp {
+        /// Folder with the FMUs that `build` wrote
+        #[arg(long, value_name = "DIR")]
+        fmus: PathBuf,
+        /// Where to write the SSP files; the folder of the FMUs if not given
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Workspace root, for models/
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        root: PathBuf,
+    },
     /// Print the variables of both models
     Describe {
         #[arg(long)]
         json: bool,
+        /// The capability table, docs/FMI.md
+        #[arg(long, conflicts_with = "json")]
+        capabilities: bool,
     },
     /// Verify structure and variables of finished FMUs
     Check {
@@ -58,15 +73,17 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<bool, Error> {
     match command {
         Command::Build { libraries, out, root } => {
-            let epoch = std::env::var("SOURCE_DATE_EPOCH").ok();
-            let stamp = Stamp::parse(epoch.as_deref())?;
-            for file in build(&Sources { libraries: &libraries, root: &root, stamp }, &out)? {
-                say(format_args!("wrote {}", file.display()));
-            }
-            Ok(true)
+            let stamp = stamp()?;
+            let sources = Sources { libraries: &libraries, root: &root, stamp };
+            Ok(wrote(&build(&sources, &out)?))
         }
-        Command::Describe { json: true } => print(&format!("{:#}\n", describe::json(&MODELS))),
-        Command::Describe { json: false } => print(&describe::table(&MODELS)),
+        Command::Ssp { fmus, out, root } => {
+            let out = out.unwrap_or_else(|| fmus.clone());
+            Ok(wrote(&ssp::build(&fmus, &root, stamp()?, &out)?))
+        }
+        Command::Describe { capabilities: true, .. } => print(&capabilities::page()?),
+        Command::Describe { json: true, .. } => print(&format!("{:#}\n", describe::json(&MODELS))),
+        Command::Describe { .. } => print(&describe::table(&MODELS)),
         Command::Check { files } => {
             let mut good = true;
             for file in files {
@@ -82,6 +99,15 @@ fn run(command: Command) -> Result<bool, Error> {
             Ok(good)
         }
     }
+}
+
+fn stamp() -> Result<Stamp, Error> {
+    Stamp::parse(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref())
+}
+
+fn wrote(files: &[PathBuf]) -> bool {
+    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    true
 }
 
 /// To standard error. Nobody left to read it is no failure.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fmi_adapter::Variant;
 use fmi_adapter::variables::DEFAULT_SCENARIO;
 use lander_models::signals::Interface;
 use lander_models::{Scenario, Ticks};
@@ -11,6 +12,7 @@ use crate::archive::{Entries, pack};
 use crate::description::model_description;
 use crate::documentation::page;
 use crate::model::{MODELS, archive_file, library_entry, library_file};
+use crate::terminals::{self, terminals};
 use crate::{Error, Stamp};
 
 /// Where things come from.
@@ -23,13 +25,20 @@ pub struct Sources<'a> {
     pub stamp: Stamp,
 }
 
-/// Writes one archive for each model into `out` and returns their paths. All are made before
+/// Writes the archives of each model into `out` and returns their paths. All are made before
 /// the first is written, and each appears under its name only when complete.
 pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
-    let made: Vec<(PathBuf, Vec<u8>)> = MODELS
-        .into_iter()
-        .map(|model| Ok((out.join(archive_file(model)), archive(model, sources)?)))
+    let all = MODELS.into_iter().flat_map(|model| Variant::ALL.map(|variant| (model, variant)));
+    let made: Vec<(PathBuf, Vec<u8>)> = all
+        .map(|(model, variant)| {
+            Ok((out.join(archive_file(model, variant)), archive(model, variant, sources)?))
+        })
         .collect::<Result<_, Error>>()?;
+    write_all(out, made)
+}
+
+/// Writes files into the folder `out` and returns their paths.
+pub(crate) fn write_all(out: &Path, made: Vec<(PathBuf, Vec<u8>)>) -> Result<Vec<PathBuf>, Error> {
     fs::create_dir_all(out).map_err(Error::write(out))?;
     for (file, bytes) in &made {
         write_whole(file, bytes)?;
@@ -38,10 +47,10 @@ pub fn build(sources: &Sources, out: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// The bytes of one FMU.
-pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
+pub fn archive(model: &Interface, variant: Variant, sources: &Sources) -> Result<Vec<u8>, Error> {
     let mut entries = Entries::new();
     let library = sources.libraries.join(library_file(model));
-    entries.insert(library_entry(model), read(&library)?);
+    entries.insert(library_entry(model, variant), read(&library)?);
     let models = sources.root.join("models");
     for (folder, extension) in [("scenarios", "toml"), ("vehicles", "toml"), ("terrain", "tif")] {
         for file in files(&models.join(folder), extension)? {
@@ -50,13 +59,17 @@ pub fn archive(model: &Interface, sources: &Sources) -> Result<Vec<u8>, Error> {
         }
     }
     let stop = validate_scenarios(&models)?;
-    let description = model_description(model, stop, sources.stamp)?;
+    let description = model_description(model, variant, stop, sources.stamp)?;
     entries.insert("modelDescription.xml".to_owned(), description.into_bytes());
-    entries.insert("documentation/index.html".to_owned(), page(model).into_bytes());
+    entries.insert("documentation/index.html".to_owned(), page(model, variant).into_bytes());
+    if variant != Variant::Fmi2 {
+        entries.insert(terminals::ENTRY.to_owned(), terminals(model, variant).into_bytes());
+    }
     let license = sources.root.join("LICENSE");
     if license.exists() {
-        // The name that FMI 3.0 gives the entry point of the licences.
-        entries.insert("documentation/licenses/license.txt".to_owned(), read(&license)?);
+        // Each version names the entry point of the licences in its own way.
+        let entry = if variant == Variant::Fmi2 { "license" } else { "licenses/license" };
+        entries.insert(format!("documentation/{entry}.txt"), read(&license)?);
     }
     pack(&entries, sources.stamp)
 }
@@ -67,10 +80,15 @@ fn validate_scenarios(models: &Path) -> Result<Ticks, Error> {
     for file in files(&models.join("scenarios"), "toml")? {
         Scenario::load(&file)?;
     }
+    default_stop(models)
+}
+
+/// Stop time of the default scenario.
+pub(crate) fn default_stop(models: &Path) -> Result<Ticks, Error> {
     Ok(Scenario::load(&models.join(DEFAULT_SCENARIO))?.0.stop_time)
 }
 
-fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
+pub(crate) fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
     let listing = fs::read_dir(folder).map_err(Error::read(folder))?;
     let mut files = Vec::new();
     for entry in listing {
@@ -83,13 +101,13 @@ fn files(folder: &Path, with: &str) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn read(file: &Path) -> Result<Vec<u8>, Error> {
     fs::read(file).map_err(Error::read(file))
 }
 
 /// Under a temporary name first: nobody ever opens half an archive.
 fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let partial = file.with_extension("fmu.partial");
+    let partial = file.with_added_extension("partial");
     let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, file));
     written.map_err(|error| {
         // The first error is the one to report.

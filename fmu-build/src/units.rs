@@ -10,6 +10,39 @@ pub struct BaseUnit {
 /// FMI attribute names of the exponents.
 pub const BASE_NAMES: [&str; 5] = ["kg", "m", "s", "K", "rad"];
 
+/// What a unit measures: the name of its type, and the unit in which people want to see it with
+/// the factor to that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    pub name: &'static str,
+    pub display: Option<(&'static str, f64)>,
+}
+
+/// `None` for a unit that is not in the table.
+pub fn quantity(unit: &str) -> Option<Quantity> {
+    let plain = |name| Quantity { name, display: None };
+    let shown = |name, display| Quantity { name, display: Some(display) };
+    let degrees = 180.0 / std::f64::consts::PI;
+    Some(match unit {
+        "1" => plain("Number"),
+        "kg" => plain("Mass"),
+        "m" => plain("Length"),
+        "s" => plain("Time"),
+        "m/s" => shown("Velocity", ("km/h", 3.6)),
+        // Standard gravity: 9.80665 m/s2 (CGPM 1901).
+        "m/s2" => shown("Acceleration", ("g", 1.0 / 9.80665)),
+        "rad" => shown("Angle", ("deg", degrees)),
+        "deg" => plain("AngleInDegrees"),
+        "rad/s" => shown("AngularVelocity", ("deg/s", degrees)),
+        "deg/s" => plain("AngularVelocityInDegrees"),
+        "rad/s2" => shown("AngularAcceleration", ("deg/s2", degrees)),
+        "N" => shown("Force", ("kN", 1e-3)),
+        "N.m" => plain("Torque"),
+        "J" => plain("Energy"),
+        _ => return None,
+    })
+}
+
 /// `None` for a symbol that is not in the table.
 pub fn base_unit(unit: &str) -> Option<BaseUnit> {
     let mut result = BaseUnit { exponents: [0; 5], factor: 1.0 };
@@ -56,7 +89,8 @@ mod tests {
     #[test]
     fn every_unit_of_the_tables_is_known() {
         for signal in MODELS.iter().flat_map(|m| m.inputs.iter().chain(m.outputs)) {
-            assert!(base_unit(signal.unit).is_some(), "{}: {}", signal.name, signal.unit);
+            let known = base_unit(signal.unit).is_some() && quantity(signal.unit).is_some();
+            assert!(known, "{}: {}", signal.name, signal.unit);
         }
     }
 

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use fmi_adapter::variables;
+use fmi_adapter::{Variant, variables};
 use fmu_build::check::check;
 use fmu_build::model::{MODELS, library_file};
 use fmu_build::package::{Sources, build};
@@ -14,13 +14,16 @@ use fmu_build::{Error, Stamp};
 /// A folder with `libraries/`, gone when dropped.
 struct Workshop(PathBuf);
 
+/// Place of the truth model's FMI 3.0 archive in what `build` returns.
+const FMI3: usize = 1;
+
 impl Workshop {
     fn new(name: &str) -> Self {
         let folder = format!("fmu-build-test-{}-{name}", std::process::id());
         let workshop = Self(std::env::temp_dir().join(folder));
         fs::create_dir_all(workshop.0.join("libraries")).unwrap();
         for model in MODELS {
-            let stand_in = b"\x7fELF stand-in that mentions fmi3DoStep";
+            let stand_in = b"\x7fELF stand-in that mentions fmi2DoStep and fmi3DoStep";
             fs::write(workshop.0.join("libraries").join(library_file(model)), stand_in).unwrap();
         }
         workshop
@@ -81,13 +84,15 @@ fn two_builds_give_equal_bytes_and_the_date_is_the_only_difference() {
         assert_eq!(check(later).unwrap(), Vec::<String>::new());
     }
     let left: Vec<_> = fs::read_dir(workshop.0.join("first")).unwrap().collect();
-    assert_eq!(left.len(), 2, "{left:?}");
+    assert_eq!(left.len(), 6, "{left:?}");
 }
 
 #[test]
-fn the_xml_lists_exactly_the_scalars_of_the_table() {
+fn the_xml_lists_exactly_the_variables_of_the_table() {
     let workshop = Workshop::new("xml");
-    for (file, model) in workshop.build("out", Stamp::default()).unwrap().iter().zip(MODELS) {
+    let all = MODELS.into_iter().flat_map(|model| Variant::ALL.map(|variant| (model, variant)));
+    for (file, (model, variant)) in workshop.build("out", Stamp::default()).unwrap().iter().zip(all)
+    {
         let text = read_entry(file, "modelDescription.xml");
         let document = roxmltree::Document::parse(&text).unwrap();
         let listed: Vec<_> = document
@@ -96,9 +101,13 @@ fn the_xml_lists_exactly_the_scalars_of_the_table() {
             .filter(roxmltree::Node::is_element)
             .map(|node| node.attribute("name").unwrap().to_owned())
             .collect();
-        let expected: Vec<_> = variables(model).into_iter().map(|v| v.name).collect();
+        let expected: Vec<_> = variables(model, variant).into_iter().map(|v| v.name).collect();
         assert_eq!(listed, expected);
-        assert_eq!(listed.len(), 2 + model.input_len() + model.output_len());
+        let signals = match variant {
+            Variant::Fmi2 | Variant::Fmi3 => model.input_len() + model.output_len(),
+            Variant::Fmi3Arrays => model.inputs.len() + model.outputs.len(),
+        };
+        assert_eq!(listed.len(), 3 + signals);
     }
 }
 
@@ -133,7 +142,7 @@ fn check_finds_what_was_tampered_with() {
     let workshop = Workshop::new("tampered");
     for (from, to, expected) in [
         ("name=\"mass_kg\"", "name=\"mass\"", "variable mass_kg is missing"),
-        ("unit=\"kg\"", "unit=\"g\"", "variable mass_kg is"),
+        ("unit=\"kg\" min", "unit=\"g\" min", "variable mass_kg is"),
         ("causality=\"input\"", "causality=\"local\"", "variable thrust_command_n is"),
         ("instantiationToken=\"", "instantiationToken=\"0", "instantiationToken is"),
         ("<Output valueReference=\"2000\" dependencies=\"\"/>", "", "ModelStructure/Output"),
@@ -141,14 +150,14 @@ fn check_finds_what_was_tampered_with() {
         ("modelName=\"lander", "modelName=\"other", "modelName \"other-truth\""),
         ("</ModelVariables>", "", "modelDescription.xml: "),
     ] {
-        let file = &workshop.build("out", Stamp::default()).unwrap()[0];
+        let file = &workshop.build("out", Stamp::default()).unwrap()[FMI3];
         tamper(file, from, to);
         let problems = check(file).unwrap();
         assert!(problems.iter().any(|p| p.starts_with(expected)), "{from}: {problems:?}");
     }
     let library = workshop.0.join("libraries").join(library_file(MODELS[0]));
     fs::write(library, "no library").unwrap();
-    let file = &workshop.build("out", Stamp::default()).unwrap()[0];
+    let file = &workshop.build("out", Stamp::default()).unwrap()[FMI3];
     let problems = check(file).unwrap();
     assert_eq!(problems, ["binaries/x86_64-linux/lander_truth.so is not an ELF library"]);
     fs::write(file, "no archive").unwrap();

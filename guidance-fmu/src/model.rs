@@ -103,6 +103,12 @@ impl Guidance {
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
         guard::check(inputs)?;
+        if inputs.iter().all(|value| *value == 0.0) {
+            // Nobody has spoken on the bus yet: some masters exchange after the first step only.
+            state.commands = Commands::default();
+            state.now += duration;
+            return Ok(StepReport::default());
+        }
         let inputs = Inputs::read(inputs);
         state.solution = self.navigate(state, &inputs)?;
         let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);

@@ -18,7 +18,7 @@ pub struct Settings {
 /// What came of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepReport {
-    /// Something discrete happened (touchdown, cut-off, tip-over …).
+    /// Something discrete happened (touchdown, cut-off, tip-over, onset of a fault …).
     pub event: bool,
     /// The run has reached its end; further steps change nothing worth seeing.
     pub terminate: bool,
@@ -60,6 +60,17 @@ pub trait Component: Sized + Debug {
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError>;
+
+    /// As `step`, but done with the tick in which something discrete happened: returns how far it
+    /// came. A component whose events fall on the ends of steps has nothing to add.
+    fn step_to_event(
+        &self,
+        state: &mut Self::State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<(Ticks, StepReport), ModelError> {
+        Ok((duration, self.step(state, inputs, duration)?))
+    }
 
     /// Writes `INTERFACE.output_len()` scalars in table order. Cheap and free of side effects.
     fn outputs(&self, state: &Self::State, outputs: &mut [f64]);

@@ -10,6 +10,7 @@ pub mod mass;
 pub mod outcome;
 pub mod quantity;
 pub mod random;
+mod ranges;
 pub mod scenario;
 pub mod signals;
 pub mod time;

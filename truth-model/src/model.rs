@@ -1,11 +1,11 @@
 //! The component: flies, hands over to contact and back, and keeps the verdict.
 
-use lander_models::ConfigError;
 use lander_models::component::{Component, ModelError, Settings, StepReport};
 use lander_models::scenario::Scenario;
 use lander_models::signals::{self, FOOT_SLOTS, Interface};
 use lander_models::time::{TICK_S, Ticks};
 use lander_models::vehicle::Vehicle;
+use lander_models::{ConfigError, Outcome};
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -140,7 +140,7 @@ impl TruthModel {
     /// Advances one tick of `TICK_S`.
     pub fn tick(&self, state: &mut State) -> Result<StepReport, ModelError> {
         let limits = &self.scenario.touchdown;
-        let (outcome, touched) = (state.touchdown.outcome, state.touchdown.first.is_some());
+        let before = self.discrete(state);
         let site = self.site();
         self.choose_engine(state);
         let Self { scenario, vehicle, biases, .. } = self;
@@ -180,9 +180,52 @@ impl TruthModel {
         }
         self.sense(state, &self.scenario.faults.failed_sensors(state.now));
         Ok(StepReport {
-            event: state.touchdown.outcome != outcome || state.touchdown.first.is_some() != touched,
+            event: self.discrete(state) != before,
             terminate: state.touchdown.decided(),
         })
+    }
+
+    /// What changes only at an event: verdict, first touch, fire in the engine, faults past onset.
+    fn discrete(&self, state: &State) -> (Outcome, bool, bool, usize) {
+        let State { touchdown, propulsion, now, .. } = state;
+        let faults = self.scenario.faults.active(*now);
+        (touchdown.outcome, touchdown.first.is_some(), propulsion.phase.burns(), faults)
+    }
+
+    /// Ticks until `duration` has passed, the run is decided or, with `to_event`, something
+    /// discrete has happened; returns how far it came.
+    fn advance(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+        to_event: bool,
+    ) -> Result<(Ticks, StepReport), ModelError> {
+        if state.touchdown.decided() {
+            // What is decided stays as it was seen.
+            return Ok((duration, StepReport { event: false, terminate: true }));
+        }
+        let start = state.now;
+        let start_velocity_w = self.com_velocity_w(&state.motion);
+        state.command = Command::from_inputs(inputs);
+        let mut report = StepReport::default();
+        while state.now.0 < start.0 + duration.0 && !report.terminate {
+            let tick = self.tick(state)?;
+            report.event |= tick.event;
+            report.terminate = tick.terminate;
+            if to_event && report.event {
+                break;
+            }
+        }
+        let elapsed = Ticks(state.now.0 - start.0);
+        if engine::in_dead_zone(&self.vehicle.engine, inputs[0]) {
+            state.dead_zone += elapsed;
+        }
+        let gained_w = self.com_velocity_w(&state.motion) - start_velocity_w;
+        let specific_force_w =
+            gained_w / elapsed.seconds() + Vector3::z() * self.scenario.gravity_m_s2;
+        state.specific_force_b = state.motion.attitude_wb.inverse() * specific_force_w;
+        Ok((elapsed, report))
     }
 
     fn choose_engine(&self, state: &mut State) {
@@ -236,28 +279,16 @@ impl Component for TruthModel {
         inputs: &[f64],
         duration: Ticks,
     ) -> Result<StepReport, ModelError> {
-        if state.touchdown.decided() {
-            // What is decided stays as it was seen.
-            return Ok(StepReport { event: false, terminate: true });
-        }
-        let start = state.now;
-        let start_velocity_w = self.com_velocity_w(&state.motion);
-        state.command = Command::from_inputs(inputs);
-        let mut report = StepReport::default();
-        while state.now.0 < start.0 + duration.0 && !report.terminate {
-            let tick = self.tick(state)?;
-            report.event |= tick.event;
-            report.terminate = tick.terminate;
-        }
-        let elapsed = Ticks(state.now.0 - start.0);
-        if engine::in_dead_zone(&self.vehicle.engine, inputs[0]) {
-            state.dead_zone += elapsed;
-        }
-        let gained_w = self.com_velocity_w(&state.motion) - start_velocity_w;
-        let specific_force_w =
-            gained_w / elapsed.seconds() + Vector3::z() * self.scenario.gravity_m_s2;
-        state.specific_force_b = state.motion.attitude_wb.inverse() * specific_force_w;
-        Ok(report)
+        self.advance(state, inputs, duration, false).map(|(_, report)| report)
+    }
+
+    fn step_to_event(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<(Ticks, StepReport), ModelError> {
+        self.advance(state, inputs, duration, true)
     }
 
     fn outputs(&self, state: &State, outputs: &mut [f64]) {

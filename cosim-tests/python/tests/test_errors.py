@@ -61,7 +61,7 @@ def test_a_missing_file_is_refused(tmp_path):
 def test_a_missing_fmu_is_named(tmp_path):
     command = fmpy_command(SCENARIOS / "landing.toml", tmp_path / "out")
     command[command.index("--fmus") + 1] = tmp_path
-    assert_refused(run(command), tmp_path / "out", "lander-truth.fmu")
+    assert_refused(run(command), tmp_path / "out", "lander-truth.fmi3.fmu")
 
 
 def truncated(fmu):
@@ -79,10 +79,10 @@ def without_library(fmu):
 @pytest.mark.parametrize("spoil", [truncated, without_library])
 def test_a_broken_fmu_is_named(spoil, tmp_path):
     fmus = shutil.copytree(FMUS, tmp_path / "fmus")
-    spoil(fmus / "scvx-guidance.fmu")
+    spoil(fmus / "scvx-guidance.fmi3.fmu")
     command = fmpy_command(SCENARIOS / "landing.toml", tmp_path / "out", "--gate")
     command[command.index("--fmus") + 1] = fmus
-    assert_refused(run(command), tmp_path / "out", "scvx-guidance.fmu")
+    assert_refused(run(command), tmp_path / "out", "scvx-guidance.fmi3.fmu")
 
 
 def test_a_run_that_fails_in_flight_leaves_a_log_and_no_verdict(kit):

@@ -24,6 +24,15 @@ def test_fmpy_and_native_master_agree_on_every_bit_of_every_row(landing, tmp_pat
     assert (tmp_path / "landing.json").read_bytes() == landing.results_file.read_bytes()
 
 
+@pytest.mark.parametrize("variant", ["fmi2", "fmi3-arrays"])
+def test_every_variant_gives_the_same_bits(variant, landing, tmp_path):
+    by_fmpy = results(
+        fmpy_command(SCENARIOS / "landing.toml", tmp_path, "--json", "--variant", variant)
+    )
+    assert by_fmpy == landing.results
+    assert (tmp_path / "landing.mcap").read_bytes() == landing.log.read_bytes()
+
+
 def test_the_same_landing_twice_leaves_the_same_files(landing, tmp_path):
     again = fly("landing", tmp_path)
     assert again.log.read_bytes() == landing.log.read_bytes()

@@ -12,6 +12,8 @@ import sys
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
+from .variants import VARIANTS, fmu_file
+
 FAILED = 2
 INTERRUPTED = 130
 
@@ -41,7 +43,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--json", action="store_true", help="print the results as JSON")
     parser.add_argument("--gate", action="store_true", help="exit with 1 unless landed")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the files")
-    parser.add_argument("--fmus", type=Path, required=True, help="folder of the two FMUs")
+    parser.add_argument("--fmus", type=Path, required=True, help="folder of the FMUs")
+    parser.add_argument("--variant", choices=VARIANTS, default=VARIANTS[0], help="which FMUs")
     parser.add_argument("--lander", type=Path, required=True, help="the lander binary")
     return parser.parse_args(arguments)
 
@@ -56,7 +59,7 @@ def land(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         components = {}
         for name, model in plan.components.items():
-            fmu = Component(options.fmus / f"{model}.fmu", name)
+            fmu = Component(fmu_file(options.fmus, model, options.variant), name)
             components[name] = stack.enter_context(fmu)
             components[name].initialize(options.scenario.absolute())
         return record(Master(plan, components), options)

@@ -14,7 +14,7 @@ class Master:
         self._schedule = schedule
         self._components = components
         self._columns = {name: list(components[name].outputs.values()) for name in schedule.rows}
-        self.width = 1 + sum(len(references) for references in self._columns.values())
+        self.width = 1 + sum(len(components[name].columns) for name in schedule.rows)
         self._wires = {
             (a["from"], a["to"]): self._wire(components[a["from"]], components[a["to"]])
             for a in schedule.actions

@@ -8,6 +8,7 @@ import numpy as np
 from . import schedule
 from .component import Component
 from .master import Master
+from .variants import fmu_file
 
 
 def fly(scenario: Path, fmus: Path) -> dict[str, np.ndarray]:
@@ -15,14 +16,14 @@ def fly(scenario: Path, fmus: Path) -> dict[str, np.ndarray]:
     plan = schedule.load()
     with ExitStack() as stack:
         components = {
-            name: stack.enter_context(Component(fmus / f"{model}.fmu", name))
+            name: stack.enter_context(Component(fmu_file(fmus, model), name))
             for name, model in plan.components.items()
         }
         for component in components.values():
             component.initialize(scenario.absolute())
         rows = []
         Master(plan, components).run(rows.append)
-        names = ["time_s"] + [n for part in plan.rows for n in components[part].outputs]
+        names = ["time_s"] + [n for part in plan.rows for n in components[part].columns]
     return dict(zip(names, np.array(rows).T, strict=True))
 
 

@@ -49,6 +49,12 @@ pub fn build_fmus(workspace: &Workspace) -> Result<(), Failure> {
     run("fmu-build", command.arg("--out").arg(workspace.fmus()))
 }
 
+/// The SSP files around the FMUs.
+pub fn build_systems(workspace: &Workspace) -> Result<(), Failure> {
+    let mut command = in_root(Command::new(workspace.release("fmu-build")), workspace);
+    run("fmu-build", command.args(["ssp", "--fmus"]).arg(workspace.fmus()))
+}
+
 pub fn in_root(mut command: Command, workspace: &Workspace) -> Command {
     command.current_dir(&workspace.root);
     command
@@ -62,9 +68,10 @@ fn split(arguments: &[OsString]) -> Result<(Option<&OsStr>, Vec<&OsStr>), Failur
         let shown = word.to_string_lossy();
         match &*shown {
             "--json" | "--gate" => options.push(word),
-            "--out" => {
-                let folder = words.next().ok_or_else(|| Failure::new("--out needs a folder"))?;
-                options.extend([word, folder]);
+            "--out" | "--variant" => {
+                let value = words.next();
+                let value = value.ok_or_else(|| Failure::new(format!("{shown} needs a value")))?;
+                options.extend([word, value]);
             }
             _ if shown.starts_with('-') => {
                 return Err(Failure::new(format!("{shown} is not known\n{}", crate::USAGE)));
@@ -105,7 +112,7 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_refused() {
-        for line in ["--fast", "hop landing", "--out"] {
+        for line in ["--fast", "hop landing", "--out", "--variant"] {
             assert!(split(&words(line)).is_err(), "{line} was taken");
         }
     }

@@ -17,13 +17,16 @@ use std::process::ExitCode;
 use validation::Accept;
 
 const USAGE: &str = "\
-usage: cargo land [SCENARIO] [--json] [--gate] [--out DIR]   build, then land with FMPy
-       cargo verify [--accept]                               run every check
+usage: cargo land [SCENARIO] [--json] [--gate] [--out DIR] [--variant NAME]
+           build, then land with FMPy
+       cargo verify [--accept]
+           run every check
 
 SCENARIO  a scenario file, or the name of one in models/scenarios (default: landing)
 --json    print the results as one JSON object instead of the verdict
 --gate    exit with 1 unless the outcome is `landed`
 --out     folder for the log and the results (default: results)
+--variant which FMUs: fmi3 (default), fmi3-arrays or fmi2
 --accept  write docs/VALIDATION.md as the tests measured it, instead of comparing";
 
 /// Bad arguments, or a step that could not be started.

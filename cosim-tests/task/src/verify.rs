@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::land::{build, build_fmus, in_root};
+use crate::land::{build, build_fmus, build_systems, in_root};
 use crate::python;
 use crate::steps::{Failure, Steps, run, say};
 use crate::system;
@@ -29,7 +29,7 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
         validation::start()?;
         cargo(test_command())
     })?;
-    steps.run("FMUs", || build_fmus(workspace))?;
+    steps.run("FMUs", || build_fmus(workspace).and_then(|()| build_systems(workspace)))?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
     steps.run("system packages", system::packages)?;
     steps.run("Python tests", || {

@@ -16,10 +16,10 @@ pub enum Error {
     #[error("{what} is not valid UTF-8")]
     NotUtf8 { what: String },
 
-    #[error("instantiationToken is \"{given}\", this library has \"{expected}\"")]
+    #[error("the token is \"{given}\", this library has \"{expected}\"")]
     Token { given: String, expected: String },
-    #[error("eventModeUsed: this FMU has no event mode")]
-    EventMode,
+    #[error("eventModeUsed was false at instantiation")]
+    EventModeUnused,
     #[error("log category \"{0}\" is unknown")]
     LogCategory(String),
 
@@ -35,6 +35,8 @@ pub enum Error {
     NoValue { name: String, state: &'static str },
     #[error("{name} = {value}: inputs must be finite")]
     NotFinite { name: String, value: f64 },
+    #[error("{name} = {value}: must be within {least:e} and {greatest:e}")]
+    OutOfRange { name: String, value: f64, least: f64, greatest: f64 },
     #[error("nValues is {given}, but {names} need {expected}")]
     Length { names: String, given: usize, expected: usize },
 
@@ -61,6 +63,9 @@ pub enum Error {
     #[error("internal error: {0}; only reset, set state and free can follow")]
     Panic(String),
 
+    #[error("status kind {0} tells nothing here: no step is ever pending")]
+    StatusKind(i32),
+
     #[error("FMUState is not a state of this instance, or was freed")]
     UnknownState,
     #[error("serializedState: {0}")]
@@ -72,6 +77,6 @@ pub enum Error {
 impl Error {
     /// Whether nothing is wrong but the arguments' values: the importer may try others.
     pub(crate) fn is_discard(&self) -> bool {
-        matches!(self, Self::StepSize(_))
+        matches!(self, Self::StepSize(_) | Self::StatusKind(_))
     }
 }

@@ -1,7 +1,7 @@
 //! One instance of a component, free of any FMI version: values, steps, states, and every check.
 
 use std::collections::BTreeMap;
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,11 +9,15 @@ use lander_models::time::{NotWholeTicks, TICK_S};
 use lander_models::{Component, Settings, StepReport, Ticks};
 
 use crate::error::Error;
+use crate::guard;
 use crate::lifecycle::{Call, Lifecycle};
 use crate::logger::Logger;
-use crate::snapshot::{Hash, NO_CONFIGURATION, Snapshot, fingerprint};
-use crate::variables::{DEFAULT_SCENARIO, SCENARIO_NAME, input_starts, token};
-use crate::{guard, variables};
+use crate::snapshot::{Hash, NO_CONFIGURATION, Parameters, Snapshot, fingerprint};
+use crate::variables::{
+    DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_ranges, input_starts, interface_hash, token,
+};
+
+const NO_STOP: Ticks = Ticks(u64::MAX);
 
 /// The constant part, shared by an instance and the states taken from it.
 pub(crate) struct Config<C> {
@@ -24,7 +28,10 @@ pub(crate) struct Config<C> {
 pub struct Instance<C: Component> {
     pub(crate) logger: Logger,
     resources: Option<PathBuf>,
-    pub(crate) token: Hash,
+    pub(crate) variant: Variant,
+    pub(crate) events: Events,
+    pub(crate) interface: Hash,
+    pub(crate) input_ranges: Vec<(f64, f64)>,
     /// Present from Initialization Mode on.
     pub(crate) config: Option<Arc<Config<C>>>,
     pub(crate) live: Snapshot<C::State>,
@@ -56,30 +63,50 @@ pub enum Answer {
 
 /// What a successful step tells the importer.
 ///
-/// A run that ends within the step is over: `time_s` still is the communication point at the
-/// end of the step, and the outputs there are those with which the run ended.
+/// A run that ends within the step is over: unless steps may return early, `time_s` still is the
+/// communication point at the end of the step, with the outputs with which the run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
     pub time_s: f64,
+    /// Before the end that was asked for.
+    pub early: bool,
     pub report: StepReport,
 }
 
+/// What the importer makes of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Events {
+    /// Nothing: steps are completed, and no event is reported.
+    Unheard,
+    /// It handles them at the ends of steps.
+    AtStepEnd,
+    /// A step ends with the tick of the event.
+    ReturnEarly,
+}
+
 impl<C: Component> Instance<C> {
-    /// An instance in state Instantiated. `given_token` comes from modelDescription.xml.
+    /// An instance in state Instantiated, of that one of the `possible` variants whose token is
+    /// `given`.
     pub fn new(
-        given_token: &str,
+        possible: &[Variant],
+        given: &str,
         resources: Option<PathBuf>,
+        events: Events,
         logger: Logger,
     ) -> Result<Self, Error> {
-        let token = token(C::INTERFACE);
-        let expected = variables::hex(&token);
-        if given_token != expected {
-            return Err(Error::Token { given: given_token.to_owned(), expected });
-        }
+        let fits = |variant: &&Variant| token(C::INTERFACE, **variant) == given;
+        let Some(&variant) = possible.iter().find(fits) else {
+            let expected = possible.iter().map(|variant| token(C::INTERFACE, *variant));
+            let expected = expected.collect::<Vec<_>>().join("\" or \"");
+            return Err(Error::Token { given: given.to_owned(), expected });
+        };
         Ok(Self {
             logger,
             resources,
-            token,
+            variant,
+            events,
+            interface: interface_hash(C::INTERFACE),
+            input_ranges: input_ranges(C::INTERFACE),
             config: None,
             live: initial::<C>(),
             outputs: vec![0.0; C::INTERFACE.output_len()],
@@ -118,22 +145,40 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// Creates the component, so that outputs can be read. Inputs have no influence on it.
-    pub fn enter_initialization(&mut self, start_s: f64, stop_s: Option<f64>) -> Result<(), Error> {
+    /// Start and stop time, before Initialization Mode.
+    pub fn set_experiment(&mut self, start_s: f64, stop_s: Option<f64>) -> Result<(), Error> {
         if start_s != 0.0 {
             return Err(Error::StartTime(start_s));
         }
-        let stop = match stop_s {
+        self.live.stop = match stop_s {
             Some(stop_s) => last_tick(stop_s).ok_or(Error::StopTime(stop_s))?,
-            None => Ticks(u64::MAX),
+            None => NO_STOP,
         };
+        Ok(())
+    }
+
+    /// Creates the component, so that outputs can be read. Inputs have no influence on it.
+    pub fn enter_initialization(&mut self) -> Result<(), Error> {
         self.create()?;
-        self.live.stop = stop;
         self.live.lifecycle = Lifecycle::Initialization;
         Ok(())
     }
 
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
+        let handled = self.events != Events::Unheard;
+        self.live.lifecycle = if handled { Lifecycle::Event } else { Lifecycle::Stepping };
+        Ok(())
+    }
+
+    pub fn enter_event_mode(&mut self) -> Result<(), Error> {
+        if self.events == Events::Unheard {
+            return Err(Error::EventModeUnused);
+        }
+        self.live.lifecycle = Lifecycle::Event;
+        Ok(())
+    }
+
+    pub fn enter_step_mode(&mut self) -> Result<(), Error> {
         self.live.lifecycle = Lifecycle::Stepping;
         Ok(())
     }
@@ -172,21 +217,34 @@ impl<C: Component> Instance<C> {
         let (Some(config), Some(state)) = (&self.config, &mut self.live.state) else {
             unreachable!("from Initialization Mode on there is a component");
         };
-        let report =
-            config.component.step(state, &self.live.inputs, duration).map_err(|source| {
-                self.live.lifecycle = Lifecycle::Failed;
-                Error::Step(source)
-            })?;
-        self.live.now = next;
+        let inputs = &self.live.inputs;
+        let stepped = match self.events {
+            Events::ReturnEarly => config.component.step_to_event(state, inputs, duration),
+            _ => config.component.step(state, inputs, duration).map(|report| (duration, report)),
+        };
+        let (passed, mut report) = stepped.map_err(|source| {
+            self.live.lifecycle = Lifecycle::Failed;
+            Error::Step(source)
+        })?;
+        let happened = report.event;
+        report.terminate &= self.live.parameters.terminate_at_end;
+        report.event &= self.events != Events::Unheard;
+        self.live.now += passed;
+        self.live.ended = report.terminate;
         self.refresh_outputs();
-        let time_s = next.seconds();
-        if report.event {
+        let time_s = self.live.now.seconds();
+        if happened {
             self.logger.event(&format!("t = {time_s} s: event"));
         }
         if report.terminate {
             self.logger.event(&format!("t = {time_s} s: the run has reached its end"));
         }
-        Ok(Stepped { time_s, report })
+        Ok(Stepped { time_s, early: passed < duration, report })
+    }
+
+    /// Whether the last step asked for the end of the run.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.live.ended
     }
 
     pub(crate) fn now_s(&self) -> f64 {
@@ -195,7 +253,7 @@ impl<C: Component> Instance<C> {
 
     /// (Re)creates the component from the current parameters. On error nothing has changed.
     pub(crate) fn create(&mut self) -> Result<(), Error> {
-        let (config, state) = self.load(&self.live.scenario_file)?;
+        let (config, state) = self.load(&self.live.parameters.scenario_file)?;
         self.config = Some(config);
         self.live.state = Some(state);
         self.refresh_outputs();
@@ -232,9 +290,10 @@ impl<C: Component> Instance<C> {
 fn initial<C: Component>() -> Snapshot<C::State> {
     Snapshot {
         lifecycle: Lifecycle::Instantiated,
-        scenario_file: CString::default(),
+        parameters: Parameters::default(),
         now: Ticks::ZERO,
-        stop: Ticks(u64::MAX),
+        stop: NO_STOP,
+        ended: false,
         inputs: input_starts(C::INTERFACE),
         state: None,
     }

@@ -9,12 +9,15 @@
 //! | `states` | its stored states |
 //! | `snapshot` | an instance's changing part, and the bytes it is serialised to |
 //! | `guard` | a panic becomes a message |
-//! | `fmi3` | marshals the FMI 3.0 C functions to `Instance`; the only `unsafe` |
+//! | `c_abi` | marshals C functions to `Instance`, what both versions share of it |
+//! | `fmi2`, `fmi3` | the rest of each version |
 //!
-//! A leaf cdylib makes the C symbols with [`export!`]. No other crate may: two sets of `fmi3*`
-//! symbols in one binary make the linker pick one in silence.
+//! `unsafe` is in the last two rows only. A leaf cdylib makes the C symbols with [`export!`]. No
+//! other crate may: two sets of `fmi3*` symbols in one binary make the linker pick one in silence.
 
+pub mod c_abi;
 pub mod error;
+pub mod fmi2;
 pub mod fmi3;
 pub mod guard;
 pub mod instance;
@@ -27,4 +30,4 @@ pub mod variables;
 
 pub use error::Error;
 pub use instance::Instance;
-pub use variables::{Variable, token, variables};
+pub use variables::{Variable, Variant, token, variables};

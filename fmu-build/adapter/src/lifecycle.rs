@@ -14,6 +14,8 @@ pub enum Lifecycle {
     Terminated = 8,
     /// After a panic or a failed step the component's state can't be trusted.
     Failed = 16,
+    /// "Event Mode", of importers that asked for it.
+    Event = 32,
 }
 
 impl Lifecycle {
@@ -25,6 +27,7 @@ impl Lifecycle {
             Self::Stepping => "Step Mode",
             Self::Terminated => "Terminated",
             Self::Failed => "Failed",
+            Self::Event => "Event Mode",
         }
     }
 }
@@ -38,6 +41,11 @@ pub enum Call {
     Get,
     Set,
     Step,
+    EnterEvent,
+    /// Update of discrete states, and the way back to steps.
+    InEvent,
+    /// FMI 2.0: what came of the last step.
+    GetStatus,
     Terminate,
     Reset,
     GetState,
@@ -51,7 +59,8 @@ const INSTANTIATED: u8 = Lifecycle::Instantiated as u8;
 const INITIALIZATION: u8 = Lifecycle::Initialization as u8;
 const STEPPING: u8 = Lifecycle::Stepping as u8;
 const TERMINATED: u8 = Lifecycle::Terminated as u8;
-const HEALTHY: u8 = INSTANTIATED | INITIALIZATION | STEPPING | TERMINATED;
+const EVENT: u8 = Lifecycle::Event as u8;
+const HEALTHY: u8 = INSTANTIATED | INITIALIZATION | STEPPING | EVENT | TERMINATED;
 const ANY: u8 = HEALTHY | Lifecycle::Failed as u8;
 
 impl Call {
@@ -63,9 +72,11 @@ impl Call {
             Self::ExitInitialization => INITIALIZATION,
             // Before Initialization Mode start values only: see `get_floats`.
             Self::Get => HEALTHY,
-            Self::Set => INSTANTIATED | INITIALIZATION | STEPPING,
-            Self::Step => STEPPING,
-            Self::Terminate => STEPPING,
+            Self::Set => INSTANTIATED | INITIALIZATION | STEPPING | EVENT,
+            Self::Step | Self::EnterEvent => STEPPING,
+            Self::InEvent => EVENT,
+            Self::GetStatus => STEPPING | TERMINATED,
+            Self::Terminate => STEPPING | EVENT,
             Self::Reset => ANY,
             Self::GetState => HEALTHY,
             Self::SetState => ANY,

@@ -2,7 +2,7 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 0..32 | interface token |
+//! | 0..32 | interface hash |
 //! | 32..64 | fingerprint of the configuration; zeros if there is none yet |
 //! | 64..96 | SHA-256 of the payload |
 //! | 96..104 | payload length, u64 little-endian |
@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::lifecycle::Lifecycle;
+use crate::variables::DEFAULT_SCENARIO;
 
 /// SHA-256.
 pub type Hash = [u8; 32];
@@ -25,14 +26,32 @@ pub type Hash = [u8; 32];
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Snapshot<S> {
     pub lifecycle: Lifecycle,
-    /// The parameter as set; kept as a C string because importers get a pointer to it.
-    pub scenario_file: CString,
+    pub parameters: Parameters,
     pub now: Ticks,
     /// No step may pass it.
     pub stop: Ticks,
+    /// The last step asked for the end of the run.
+    pub ended: bool,
     pub inputs: Vec<f64>,
     /// Present from Initialization Mode on.
     pub state: Option<S>,
+}
+
+/// Parameters as set.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Parameters {
+    /// A C string because importers get a pointer to it.
+    pub scenario_file: CString,
+    pub terminate_at_end: bool,
+}
+
+/// Start values. Several importers take a run that asks for its end for a failure (FMI 2.0 has no
+/// other way than to discard the step): it has to be asked for.
+impl Default for Parameters {
+    fn default() -> Self {
+        let scenario_file = CString::new(DEFAULT_SCENARIO).unwrap_or_default();
+        Self { scenario_file, terminate_at_end: false }
+    }
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -59,10 +78,10 @@ pub fn fingerprint(component: &impl Debug) -> Hash {
 }
 
 impl<S: Serialize + DeserializeOwned> Snapshot<S> {
-    pub fn encode(&self, token: &Hash, fingerprint: &Hash) -> Result<Vec<u8>, BlobError> {
+    pub fn encode(&self, interface: &Hash, fingerprint: &Hash) -> Result<Vec<u8>, BlobError> {
         let payload = postcard::to_allocvec(self).map_err(|e| BlobError::Corrupt(e.to_string()))?;
         let mut blob = Vec::with_capacity(HEADER + payload.len());
-        blob.extend(token);
+        blob.extend(interface);
         blob.extend(fingerprint);
         blob.extend(Hash::from(Sha256::digest(&payload)));
         blob.extend((payload.len() as u64).to_le_bytes());
@@ -71,13 +90,13 @@ impl<S: Serialize + DeserializeOwned> Snapshot<S> {
     }
 
     /// The snapshot and the fingerprint that it was written with; refuses what `encode` did not
-    /// write for the same `token`.
-    pub fn decode(blob: &[u8], token: &Hash) -> Result<(Self, Hash), BlobError> {
+    /// write for the same `interface`.
+    pub fn decode(blob: &[u8], interface: &Hash) -> Result<(Self, Hash), BlobError> {
         let given = blob.len();
         let Some((header, payload)) = blob.split_at_checked(HEADER) else {
             return Err(BlobError::Length { given, expected: HEADER });
         };
-        if header[..32] != *token {
+        if header[..32] != *interface {
             return Err(BlobError::Foreign);
         }
         let length = header[96..].iter().rev().fold(0_u64, |n, byte| n << 8 | u64::from(*byte));

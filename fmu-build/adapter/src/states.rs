@@ -44,7 +44,7 @@ impl<C: Component> Instance<C> {
     /// Layout: see [`crate::snapshot`].
     pub fn serialize_state(&self, handle: StateHandle) -> Result<Vec<u8>, Error> {
         let stored = self.stored.get(&handle).ok_or(Error::UnknownState)?;
-        Ok(stored.snapshot.encode(&self.token, &stored.fingerprint())?)
+        Ok(stored.snapshot.encode(&self.interface, &stored.fingerprint())?)
     }
 
     /// Stores the state in `blob`. The running state is untouched until `set_state`.
@@ -56,7 +56,7 @@ impl<C: Component> Instance<C> {
         blob: &[u8],
         reuse: Option<StateHandle>,
     ) -> Result<StateHandle, Error> {
-        let (snapshot, fingerprint) = Snapshot::decode(blob, &self.token)?;
+        let (snapshot, fingerprint) = Snapshot::decode(blob, &self.interface)?;
         let created = snapshot.lifecycle != Lifecycle::Instantiated;
         if snapshot.inputs.len() != C::INTERFACE.input_len() || snapshot.state.is_some() != created
         {
@@ -65,11 +65,12 @@ impl<C: Component> Instance<C> {
         let config = match &self.config {
             _ if !created => None,
             Some(own) if own.fingerprint == fingerprint => Some(own.clone()),
-            _ => Some(self.load(&snapshot.scenario_file)?.0),
+            _ => Some(self.load(&snapshot.parameters.scenario_file)?.0),
         };
         let state = StoredState { config, snapshot };
         if state.fingerprint() != fingerprint {
-            let scenario_file = state.snapshot.scenario_file.to_string_lossy().into_owned();
+            let scenario_file =
+                state.snapshot.parameters.scenario_file.to_string_lossy().into_owned();
             return Err(BlobError::Configuration { scenario_file }.into());
         }
         self.store(reuse, state)

@@ -11,23 +11,29 @@ use crate::lifecycle::Lifecycle;
 use crate::variables::Slot;
 
 impl<C: Component> Instance<C> {
-    /// The variables that a call accesses as type `asked`, with one value for each.
+    /// What `get_reals` and `set_reals` access.
+    pub fn real_type(&self) -> &'static str {
+        self.variant.real_type()
+    }
+
+    /// The scalars that a call accesses as type `asked`, with one value for each.
     pub fn slots(
+        &self,
         references: &[u32],
         asked: &'static str,
         value_count: usize,
     ) -> Result<Vec<Slot>, Error> {
-        let find = |&reference: &u32| {
-            let slot =
-                Slot::find(C::INTERFACE, reference).ok_or(Error::UnknownReference(reference))?;
-            if slot.data_type() == asked {
-                Ok(slot)
-            } else {
-                let (name, actual) = (slot.name(C::INTERFACE), slot.data_type());
-                Err(Error::WrongType { name, reference, actual, asked })
+        let mut slots = Vec::with_capacity(value_count.min(C::INTERFACE.output_len()));
+        for &reference in references {
+            let (slot, size) = Slot::find(C::INTERFACE, self.variant, reference)
+                .ok_or(Error::UnknownReference(reference))?;
+            let actual = slot.data_type(self.variant);
+            if actual != asked {
+                let name = slot.name(C::INTERFACE);
+                return Err(Error::WrongType { name, reference, actual, asked });
             }
-        };
-        let slots: Vec<Slot> = references.iter().map(find).collect::<Result<_, _>>()?;
+            slots.extend(slot.run(size));
+        }
         if value_count != slots.len() {
             let first = slots.first().map_or("no variable".to_owned(), |s| s.name(C::INTERFACE));
             let names = match slots.len() {
@@ -53,7 +59,7 @@ impl<C: Component> Instance<C> {
             *value = match slot {
                 Slot::Input(index) => self.live.inputs[index],
                 Slot::Output(index) => self.outputs[index],
-                Slot::Time | Slot::Scenario => self.now_s(),
+                Slot::Time | Slot::Scenario | Slot::TerminateAtEnd => self.now_s(),
             };
         }
         Ok(())
@@ -70,6 +76,10 @@ impl<C: Component> Instance<C> {
             if !value.is_finite() {
                 return Err(Error::NotFinite { name: name(), value });
             }
+            let (least, greatest) = self.input_ranges[index];
+            if !(least..=greatest).contains(&value) {
+                return Err(Error::OutOfRange { name: name(), value, least, greatest });
+            }
             targets.push((index, value));
         }
         for (index, value) in targets {
@@ -80,7 +90,7 @@ impl<C: Component> Instance<C> {
 
     /// The strings live in the instance until it is changed or freed.
     pub fn get_strings(&self, slots: &[Slot]) -> Vec<&CStr> {
-        slots.iter().map(|_| self.live.scenario_file.as_c_str()).collect()
+        slots.iter().map(|_| self.live.parameters.scenario_file.as_c_str()).collect()
     }
 
     /// The one string is the scenario. In Initialization Mode FMI still lets it be set: then
@@ -88,17 +98,36 @@ impl<C: Component> Instance<C> {
     pub fn set_strings(&mut self, slots: &[Slot], values: &[&CStr]) -> Result<(), Error> {
         let (Some(slot), Some(value)) = (slots.last(), values.last()) else { return Ok(()) };
         let name = slot.name(C::INTERFACE);
-        let state = self.live.lifecycle;
-        if state == Lifecycle::Stepping {
-            return Err(Error::Fixed { name, state: state.name() });
-        }
+        self.not_fixed(*slot)?;
         if value.to_str().is_err() {
             return Err(Error::NotUtf8 { what: name });
         }
-        let before = std::mem::replace(&mut self.live.scenario_file, CString::from(*value));
-        if state == Lifecycle::Initialization {
-            self.create().inspect_err(|_| self.live.scenario_file = before)?;
+        let before =
+            std::mem::replace(&mut self.live.parameters.scenario_file, CString::from(*value));
+        if self.live.lifecycle == Lifecycle::Initialization {
+            self.create().inspect_err(|_| self.live.parameters.scenario_file = before)?;
         }
         Ok(())
+    }
+
+    /// The one Boolean is `terminate_at_end`.
+    pub fn get_booleans(&self, slots: &[Slot]) -> Vec<bool> {
+        vec![self.live.parameters.terminate_at_end; slots.len()]
+    }
+
+    pub fn set_booleans(&mut self, slots: &[Slot], values: &[bool]) -> Result<(), Error> {
+        if let (Some(slot), Some(value)) = (slots.last(), values.last()) {
+            self.not_fixed(*slot)?;
+            self.live.parameters.terminate_at_end = *value;
+        }
+        Ok(())
+    }
+
+    /// Parameters can be set until Initialization Mode is left.
+    fn not_fixed(&self, slot: Slot) -> Result<(), Error> {
+        match self.live.lifecycle {
+            Lifecycle::Instantiated | Lifecycle::Initialization => Ok(()),
+            state => Err(Error::Fixed { name: slot.name(C::INTERFACE), state: state.name() }),
+        }
     }
 }

@@ -1,34 +1,69 @@
 //! The FMI variables of a component, derived from its signal table.
 //!
-//! Arrays are expanded to scalars `name[1]` …: every FMI 3.0 importer reads those, few read
-//! arrays. References: 0 time, 1 the scenario parameter, inputs from 1000, outputs from 2000.
+//! Arrays are expanded to scalars `name[1]` …: every importer reads those, few read the arrays
+//! of FMI 3.0. References: 0 time, 1 and 2 parameters, inputs from 1000, outputs from 2000.
 
 use std::fmt::Write;
 
-use lander_models::signals::{Interface, Signal};
+use lander_models::signals::{Interface, Signal, len};
 use lander_models::time::TICK_S;
 use sha2::{Digest, Sha256};
 
 pub const TIME_REFERENCE: u32 = 0;
 pub const SCENARIO_REFERENCE: u32 = 1;
+pub const TERMINATE_REFERENCE: u32 = 2;
 pub const FIRST_INPUT: u32 = 1000;
 pub const FIRST_OUTPUT: u32 = 2000;
 
 pub const TIME_NAME: &str = "time";
 pub const SCENARIO_NAME: &str = "scenario_file";
-/// What an empty `scenario_file` stands for, relative to the resources folder.
+pub const TERMINATE_NAME: &str = "terminate_at_end";
+/// Start value of `scenario_file`, relative to the resources folder; empty stands for it too.
 pub const DEFAULT_SCENARIO: &str = "scenarios/landing.toml";
 
 /// CoSimulation attributes of modelDescription.xml: what is true, and nothing more.
-pub fn capabilities() -> [(&'static str, String); 4] {
+pub fn capabilities(variant: Variant) -> Vec<(&'static str, String)> {
     let yes = || "true".to_owned();
-    [
-        ("canGetAndSetFMUState", yes()),
-        ("canSerializeFMUState", yes()),
-        // Any whole number of ticks.
-        ("canHandleVariableCommunicationStepSize", yes()),
-        ("fixedInternalStepSize", TICK_S.to_string()),
-    ]
+    // Any whole number of ticks.
+    let mut flags = vec![("canHandleVariableCommunicationStepSize", yes())];
+    if variant == Variant::Fmi2 {
+        flags.extend([("canGetAndSetFMUstate", yes()), ("canSerializeFMUstate", yes())]);
+        flags.push(("canNotUseMemoryManagementFunctions", yes()));
+    } else {
+        flags.extend([("canGetAndSetFMUState", yes()), ("canSerializeFMUState", yes())]);
+        flags.extend([("hasEventMode", yes()), ("mightReturnEarlyFromDoStep", yes())]);
+        flags.push(("fixedInternalStepSize", TICK_S.to_string()));
+    }
+    flags
+}
+
+/// How an archive presents the interface. All three are in one library; the token tells it which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// FMI 2.0; arrays as scalars `name[1]` …
+    Fmi2,
+    /// FMI 3.0; arrays as scalars
+    Fmi3,
+    /// FMI 3.0; arrays as arrays, each under the reference of its first scalar
+    Fmi3Arrays,
+}
+
+impl Variant {
+    pub const ALL: [Self; 3] = [Self::Fmi2, Self::Fmi3, Self::Fmi3Arrays];
+
+    /// As in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fmi2 => "fmi2",
+            Self::Fmi3 => "fmi3",
+            Self::Fmi3Arrays => "fmi3-arrays",
+        }
+    }
+
+    /// What the FMI version calls a 64-bit floating-point number.
+    pub fn real_type(self) -> &'static str {
+        if self == Self::Fmi2 { "Real" } else { "Float64" }
+    }
 }
 
 /// Which variable a reference means; inputs and outputs by flat scalar index.
@@ -36,28 +71,46 @@ pub fn capabilities() -> [(&'static str, String); 4] {
 pub enum Slot {
     Time,
     Scenario,
+    TerminateAtEnd,
     Input(usize),
     Output(usize),
 }
 
 impl Slot {
-    pub fn find(interface: &Interface, reference: u32) -> Option<Self> {
-        let within = |first: u32, length: usize| {
-            let index = reference.checked_sub(first)? as usize;
-            (index < length).then_some(index)
+    /// The scalar that `reference` stands for and 1, or the first of an array and its size.
+    pub fn find(interface: &Interface, variant: Variant, reference: u32) -> Option<(Self, usize)> {
+        let within = |first: u32, signals: &[Signal], slot: fn(usize) -> Self| {
+            let index = (reference - first) as usize;
+            let size = match variant {
+                Variant::Fmi3Arrays => size_at(signals, index)?,
+                _ => 1,
+            };
+            (index < len(signals)).then(|| (slot(index), size))
         };
         match reference {
-            TIME_REFERENCE => Some(Self::Time),
-            SCENARIO_REFERENCE => Some(Self::Scenario),
-            FIRST_OUTPUT.. => within(FIRST_OUTPUT, interface.output_len()).map(Self::Output),
-            _ => within(FIRST_INPUT, interface.input_len()).map(Self::Input),
+            TIME_REFERENCE => Some((Self::Time, 1)),
+            SCENARIO_REFERENCE => Some((Self::Scenario, 1)),
+            TERMINATE_REFERENCE => Some((Self::TerminateAtEnd, 1)),
+            FIRST_OUTPUT.. => within(FIRST_OUTPUT, interface.outputs, Self::Output),
+            FIRST_INPUT.. => within(FIRST_INPUT, interface.inputs, Self::Input),
+            _ => None,
         }
+    }
+
+    /// The `count` scalars from this one on.
+    pub fn run(self, count: usize) -> impl Iterator<Item = Self> {
+        (0..count).map(move |offset| match self {
+            Self::Input(first) => Self::Input(first + offset),
+            Self::Output(first) => Self::Output(first + offset),
+            other => other,
+        })
     }
 
     pub fn reference(self) -> u32 {
         match self {
             Self::Time => TIME_REFERENCE,
             Self::Scenario => SCENARIO_REFERENCE,
+            Self::TerminateAtEnd => TERMINATE_REFERENCE,
             Self::Input(index) => FIRST_INPUT + index as u32,
             Self::Output(index) => FIRST_OUTPUT + index as u32,
         }
@@ -66,15 +119,19 @@ impl Slot {
     pub fn causality(self) -> &'static str {
         match self {
             Self::Time => "independent",
-            Self::Scenario => "parameter",
+            Self::Scenario | Self::TerminateAtEnd => "parameter",
             Self::Input(_) => "input",
             Self::Output(_) => "output",
         }
     }
 
-    /// FMI 3.0 type name.
-    pub fn data_type(self) -> &'static str {
-        if self == Self::Scenario { "String" } else { "Float64" }
+    /// FMI type name.
+    pub fn data_type(self, variant: Variant) -> &'static str {
+        match self {
+            Self::Scenario => "String",
+            Self::TerminateAtEnd => "Boolean",
+            Self::Time | Self::Input(_) | Self::Output(_) => variant.real_type(),
+        }
     }
 
     pub fn name(self, interface: &Interface) -> String {
@@ -90,65 +147,113 @@ impl Slot {
         match self {
             Self::Time => TIME_NAME.to_owned(),
             Self::Scenario => SCENARIO_NAME.to_owned(),
+            Self::TerminateAtEnd => TERMINATE_NAME.to_owned(),
             Self::Input(index) => scalar(interface.inputs, index),
             Self::Output(index) => scalar(interface.outputs, index),
         }
     }
 }
 
-/// One scalar variable as modelDescription.xml lists it.
+const UNLIMITED: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// Size of the signal that begins at `index`.
+fn size_at(signals: &[Signal], index: usize) -> Option<usize> {
+    let mut first = 0;
+    for signal in signals {
+        if first == index {
+            return Some(signal.size);
+        }
+        first += signal.size;
+    }
+    None
+}
+
+/// One variable as modelDescription.xml lists it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     pub reference: u32,
     pub name: String,
+    /// Of the first scalar.
     pub slot: Slot,
-    /// Unit in FMI spelling; none for the string parameter.
+    /// Number of values; more than 1 is an array.
+    pub size: usize,
+    /// Unit in FMI spelling; none for parameters.
     pub unit: Option<&'static str>,
-    /// Only inputs: the others have none (time, calculated outputs) or "" (the parameter).
-    pub start: Option<f64>,
+    /// As attributes have it, an array's with spaces between. None for time and outputs, which
+    /// are calculated.
+    pub start: Option<String>,
+    /// Ends that are not limited are infinite.
+    pub range: (f64, f64),
     pub description: &'static str,
 }
 
 /// All variables, by value reference.
-pub fn variables(interface: &Interface) -> Vec<Variable> {
+pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
     let mut all = vec![
         Variable {
             reference: TIME_REFERENCE,
             name: TIME_NAME.to_owned(),
             slot: Slot::Time,
+            size: 1,
             unit: Some("s"),
             start: None,
+            range: UNLIMITED,
             description: "Simulation time",
         },
         Variable {
             reference: SCENARIO_REFERENCE,
             name: SCENARIO_NAME.to_owned(),
             slot: Slot::Scenario,
+            size: 1,
             unit: None,
-            start: None,
-            description: "Scenario file, absolute or relative to the resources folder; \
-                          empty is scenarios/landing.toml",
+            start: Some(DEFAULT_SCENARIO.to_owned()),
+            range: UNLIMITED,
+            description: "Scenario file, absolute or relative to the resources folder",
+        },
+        Variable {
+            reference: TERMINATE_REFERENCE,
+            name: TERMINATE_NAME.to_owned(),
+            slot: Slot::TerminateAtEnd,
+            size: 1,
+            unit: None,
+            start: Some(false.to_string()),
+            range: UNLIMITED,
+            description: "Ask the importer to end the simulation when the run is decided; if \
+                          false, the outputs stay as they are from then on",
         },
     ];
-    all.extend(expand(interface.inputs, FIRST_INPUT, Slot::Input));
-    all.extend(expand(interface.outputs, FIRST_OUTPUT, Slot::Output));
+    all.extend(listed(interface.inputs, variant, Slot::Input));
+    all.extend(listed(interface.outputs, variant, Slot::Output));
     all
 }
 
-fn expand(
-    signals: &[Signal],
-    first: u32,
-    slot: fn(usize) -> Slot,
-) -> impl Iterator<Item = Variable> + '_ {
-    let scalars = signals.iter().flat_map(|signal| (0..signal.size).map(move |i| (signal, i)));
-    (first..).zip(scalars).enumerate().map(move |(index, (reference, (signal, scalar)))| Variable {
-        reference,
-        name: signal.scalar_name(scalar),
-        slot: slot(index),
-        unit: Some(signal.unit),
-        start: matches!(slot(index), Slot::Input(_)).then(|| signal.start_of(scalar)),
-        description: signal.description,
-    })
+/// The variables of `signals`, one for each scalar or, as arrays, one for each signal.
+fn listed(signals: &[Signal], variant: Variant, slot: fn(usize) -> Slot) -> Vec<Variable> {
+    let (mut all, mut index) = (Vec::new(), 0);
+    for signal in signals {
+        let whole = variant == Variant::Fmi3Arrays;
+        let size = if whole { signal.size } else { 1 };
+        for first in (0..signal.size).step_by(size) {
+            let slot = slot(index);
+            let starts = || {
+                let starts = (first..first + size).map(|n| signal.start_of(n).to_string());
+                starts.collect::<Vec<_>>().join(" ")
+            };
+            let range = signal.range();
+            all.push(Variable {
+                reference: slot.reference(),
+                name: if whole { signal.name.to_owned() } else { signal.scalar_name(first) },
+                slot,
+                size,
+                unit: Some(signal.unit),
+                start: matches!(slot, Slot::Input(_)).then(starts),
+                range: (*range.start(), *range.end()),
+                description: signal.description,
+            });
+            index += size;
+        }
+    }
+    all
 }
 
 /// Start values of all inputs, in table order.
@@ -156,21 +261,37 @@ pub fn input_starts(interface: &Interface) -> Vec<f64> {
     interface.inputs.iter().flat_map(|s| (0..s.size).map(|i| s.start_of(i))).collect()
 }
 
-/// SHA-256 of all that an importer can rely on: version, model, capabilities, variables.
-///
-/// In hexadecimal it is the instantiation token; its bytes begin each serialised state.
-pub fn token(interface: &Interface) -> [u8; 32] {
+/// Ranges of all inputs, in table order.
+pub fn input_ranges(interface: &Interface) -> Vec<(f64, f64)> {
+    let range = |signal: &Signal| (*signal.range().start(), *signal.range().end());
+    interface.inputs.iter().flat_map(|s| std::iter::repeat_n(range(s), s.size)).collect()
+}
+
+/// SHA-256 of version, model and variables. Its bytes begin each serialised state, which all
+/// variants of one library can read.
+pub fn interface_hash(interface: &Interface) -> [u8; 32] {
     let mut text = format!("{} {}\n", interface.model, env!("CARGO_PKG_VERSION"));
-    for (flag, value) in capabilities() {
+    for v in variables(interface, Variant::Fmi3) {
+        let (kind, causality) = (v.slot.data_type(Variant::Fmi3), v.slot.causality());
+        let Variable { reference, name, unit, start, range, description, .. } = &v;
+        // Writing to a String can't fail.
+        let _ = writeln!(
+            text,
+            "{reference} {name} {kind} {causality} {unit:?} {start:?} {range:?} {description}"
+        );
+    }
+    Sha256::digest(text.as_bytes()).into()
+}
+
+/// `guid` of FMI 2.0, `instantiationToken` of 3.0: SHA-256, in hexadecimal, of all that an
+/// importer can rely on.
+pub fn token(interface: &Interface, variant: Variant) -> String {
+    let mut text = format!("{} {}\n", hex(&interface_hash(interface)), variant.name());
+    for (flag, value) in capabilities(variant) {
         // Writing to a String can't fail.
         let _ = writeln!(text, "{flag}={value}");
     }
-    for v in variables(interface) {
-        let (kind, causality) = (v.slot.data_type(), v.slot.causality());
-        let (unit, start) = (v.unit.unwrap_or(""), v.start.map_or(0, f64::to_bits));
-        let _ = writeln!(text, "{} {} {kind} {causality} {unit} {start:016x}", v.reference, v.name);
-    }
-    Sha256::digest(text.as_bytes()).into()
+    hex(&Sha256::digest(text.as_bytes()))
 }
 
 /// Lower-case hexadecimal, as in `instantiationToken`.
@@ -184,23 +305,39 @@ pub fn hex(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::collections::BTreeSet;
+
     use lander_models::signals::{GUIDANCE, TRUTH};
+
+    use super::*;
 
     #[test]
     fn a_reference_finds_the_variable_it_was_given_to() {
-        for interface in [&TRUTH, &GUIDANCE] {
-            for variable in variables(interface) {
-                assert_eq!(Slot::find(interface, variable.reference), Some(variable.slot));
+        for (interface, variant) in all() {
+            let mut scalars = 0;
+            for variable in variables(interface, variant) {
+                let found = Slot::find(interface, variant, variable.reference);
+                assert_eq!(found, Some((variable.slot, variable.size)));
                 assert_eq!(variable.slot.reference(), variable.reference);
-                assert_eq!(variable.slot.name(interface), variable.name);
+                let name = variable.slot.name(interface);
+                assert_eq!(name.split('[').next(), variable.name.split('[').next());
+                scalars += variable.size;
             }
+            assert_eq!(scalars, 3 + interface.input_len() + interface.output_len());
             let beyond_inputs = FIRST_INPUT + interface.input_len() as u32;
             let beyond_outputs = FIRST_OUTPUT + interface.output_len() as u32;
-            for unknown in [2, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
-                assert_eq!(Slot::find(interface, unknown), None, "{unknown}");
+            for unknown in [3, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
+                assert_eq!(Slot::find(interface, variant, unknown), None, "{unknown}");
             }
         }
+    }
+
+    #[test]
+    fn inside_an_array_there_is_no_reference() {
+        // attitude_wb follows six scalars of position and velocity.
+        let found = |variant| Slot::find(&TRUTH, variant, FIRST_OUTPUT + 7);
+        assert_eq!(found(Variant::Fmi3), Some((Slot::Output(7), 1)));
+        assert_eq!(found(Variant::Fmi3Arrays), None);
     }
 
     #[test]
@@ -211,7 +348,13 @@ mod tests {
     }
 
     #[test]
-    fn the_two_models_have_different_tokens() {
-        assert_ne!(token(&TRUTH), token(&GUIDANCE));
+    fn models_and_variants_have_different_tokens() {
+        let tokens: BTreeSet<_> =
+            all().map(|(interface, variant)| token(interface, variant)).collect();
+        assert_eq!(tokens.len(), 6);
+    }
+
+    fn all() -> impl Iterator<Item = (&'static Interface, Variant)> {
+        [&TRUTH, &GUIDANCE].into_iter().flat_map(|i| Variant::ALL.map(|variant| (i, variant)))
     }
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use fmi_adapter::fmi3::Status;
-use fmi_adapter::variables::hex;
+use fmi_adapter::Variant;
+use fmi_adapter::fmi3::{Events, Status};
 use lander_models::Component;
 
 use crate::integrator::Integrator;
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn collect(
 }
 
 pub fn token() -> CString {
-    CString::new(hex(&fmi_adapter::token(Integrator::INTERFACE))).unwrap()
+    CString::new(fmi_adapter::token(Integrator::INTERFACE, Variant::Fmi3)).unwrap()
 }
 
 pub struct Importer {
@@ -63,12 +63,12 @@ pub struct Importer {
 impl Importer {
     pub fn new(resources: &Resources) -> Self {
         let path = CString::new(resources.0.to_str().unwrap()).unwrap();
-        let importer = Self::with(Some(&token()), Some(&path), false);
+        let importer = Self::with(Some(&token()), Some(&path), Events::Unheard);
         assert!(!importer.instance.is_null());
         importer
     }
 
-    pub fn with(token: Option<&CStr>, resources: Option<&CStr>, event_mode: bool) -> Self {
+    pub fn with(token: Option<&CStr>, resources: Option<&CStr>, events: Events) -> Self {
         let messages = Box::into_raw(Box::new(Messages::new()));
         let pointer = |text: Option<&CStr>| text.map_or(ptr::null(), CStr::as_ptr);
         let instance = unsafe {
@@ -78,8 +78,8 @@ impl Importer {
                 pointer(resources),
                 false,
                 false,
-                event_mode,
-                false,
+                events != Events::Unheard,
+                events == Events::ReturnEarly,
                 ptr::null(),
                 0,
                 messages.cast(),
@@ -88,6 +88,12 @@ impl Importer {
             )
         };
         Self { instance, messages }
+    }
+
+    /// An importer that handles events.
+    pub fn hearing(resources: &Resources, events: Events) -> Self {
+        let path = CString::new(resources.0.to_str().unwrap()).unwrap();
+        Self::with(Some(&token()), Some(&path), events)
     }
 
     /// In Step Mode, under the default scenario.
@@ -148,6 +154,10 @@ impl Importer {
         let status = unsafe { crate::fmi3GetString(self.instance, &1, 1, &mut value, 1) };
         assert_eq!(status, Status::Ok);
         unsafe { CStr::from_ptr(value) }.to_str().unwrap().to_owned()
+    }
+
+    pub fn set_terminate_at_end(&self) -> Status {
+        unsafe { crate::fmi3SetBoolean(self.instance, &2, 1, &1, 1) }
     }
 
     pub fn try_get(&self, references: &[u32], values: &mut [f64]) -> Status {

@@ -13,7 +13,7 @@ const fn signal(name: &'static str, size: usize) -> Signal {
 static INTERFACE: Interface = Interface {
     model: "integrator",
     description: "Integrates two rates",
-    inputs: &[signal("rate", 2), signal("trouble", 1)],
+    inputs: &[signal("rate", 2), signal("trouble", 1), signal("mass_kg", 1)],
     outputs: &[signal("x", 2), signal("steps", 1)],
     outputs_depend_on_inputs: false,
 };
@@ -21,6 +21,8 @@ static INTERFACE: Interface = Interface {
 pub const RATE_1: u32 = 1000;
 pub const RATE_2: u32 = 1001;
 pub const TROUBLE: u32 = 1002;
+/// Its name has a range in the signal table: 0 to 1e6.
+pub const MASS_KG: u32 = 1003;
 pub const X_1: u32 = 2000;
 pub const X_2: u32 = 2001;
 pub const STEPS: u32 = 2002;
@@ -84,6 +86,17 @@ impl Component for Integrator {
             return Err(ModelError::Diverged { time_s: 0.0, what: "x" });
         }
         Ok(StepReport { event: inputs[2] == EVENT, terminate: inputs[2] == END })
+    }
+
+    /// The event happens 3 ms into a step.
+    fn step_to_event(
+        &self,
+        state: &mut State,
+        inputs: &[f64],
+        duration: Ticks,
+    ) -> Result<(Ticks, StepReport), ModelError> {
+        let passed = if inputs[2] == EVENT { duration.min(Ticks(3)) } else { duration };
+        self.step(state, inputs, passed).map(|report| (passed, report))
     }
 
     fn outputs(&self, state: &State, outputs: &mut [f64]) {

@@ -1,7 +1,7 @@
 use std::ffi::CStr;
 use std::ptr;
 
-use fmi_adapter::fmi3::Status;
+use fmi_adapter::fmi3::{Events, Status};
 
 use crate::harness::{Importer, Resources, token};
 use crate::integrator::{ALL_OUTPUTS, END, EVENT, RATE_1, RATE_2, STEPS, TROUBLE, X_1, X_2};
@@ -60,7 +60,7 @@ fn start_values_can_be_read_before_initialization() {
     let resources = Resources::new();
     let importer = Importer::new(&resources);
     assert_eq!(importer.get([0, RATE_1, TROUBLE]), [0.0, 0.5, 0.5]);
-    assert_eq!(importer.scenario(), "");
+    assert_eq!(importer.scenario(), "scenarios/landing.toml");
     assert_eq!((importer.set(RATE_1, 7.0), importer.get([RATE_1])), (Status::Ok, [7.0]));
     let both = importer.try_get(&[RATE_1, X_2], &mut [0.0; 2]);
     importer.refused(both, "x[2] is an output: it has no value in state Instantiated");
@@ -82,7 +82,7 @@ fn a_missing_scenario_is_named_and_can_be_corrected() {
 #[test]
 fn without_a_resource_path_only_an_absolute_scenario_works() {
     let resources = Resources::new();
-    let importer = Importer::with(Some(&token()), None, false);
+    let importer = Importer::with(Some(&token()), None, Events::Unheard);
     importer.refused(importer.enter(), "scenario_file");
     importer.set_scenario(resources.0.join("scenarios/other.toml").to_str().unwrap());
     importer.start();
@@ -91,9 +91,8 @@ fn without_a_resource_path_only_an_absolute_scenario_works() {
 #[test]
 fn instantiation_is_refused_with_a_reason() {
     for (importer, reason) in [
-        (Importer::with(Some(c"wrong"), None, false), "instantiationToken is \"wrong\""),
-        (Importer::with(None, None, false), "instantiationToken is a null pointer"),
-        (Importer::with(Some(&token()), None, true), "eventModeUsed"),
+        (Importer::with(Some(c"wrong"), None, Events::Unheard), "the token is \"wrong\""),
+        (Importer::with(None, None, Events::Unheard), "instantiationToken is a null pointer"),
     ] {
         assert!(importer.instance.is_null());
         let messages = importer.take();
@@ -121,7 +120,9 @@ fn wobbling_communication_points_stay_on_the_ticks() {
 #[test]
 fn events_and_the_end_reach_the_importer() {
     let resources = Resources::new();
-    let importer = Importer::stepping(&resources);
+    let importer = Importer::new(&resources);
+    assert_eq!(importer.set_terminate_at_end(), Status::Ok);
+    importer.start();
     importer.set(TROUBLE, EVENT);
     assert_eq!(importer.step(0.0, 0.01), (Status::Ok, false, false, false, 0.01));
     assert_eq!(importer.take(), [], "debug logging is off");
@@ -146,6 +147,23 @@ fn events_and_the_end_reach_the_importer() {
     assert_eq!(unsafe { crate::fmi3Reset(importer.instance) }, Status::Ok);
     importer.start();
     assert_eq!(importer.take(), [], "reset did not restore the logging of instantiation");
+}
+
+#[test]
+fn unless_asked_a_run_goes_on_after_its_end() {
+    let resources = Resources::new();
+    let importer = Importer::new(&resources);
+    unsafe {
+        importer.start();
+        let mut value = 7;
+        assert_eq!(crate::fmi3GetBoolean(importer.instance, &2, 1, &mut value, 1), Status::Ok);
+        assert_eq!(value, 0);
+    }
+    importer.set(TROUBLE, END);
+    for n in 0..3 {
+        let from_s = f64::from(n) * 0.25;
+        assert_eq!(importer.step(from_s, 0.25), (Status::Ok, false, false, false, from_s + 0.25));
+    }
 }
 
 #[test]

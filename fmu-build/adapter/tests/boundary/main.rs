@@ -1,5 +1,8 @@
 //! Drives the exported C functions as an importer would.
 
+mod events;
+mod fmi2;
+mod fuzz;
 mod harness;
 mod integrator;
 mod lifecycle;

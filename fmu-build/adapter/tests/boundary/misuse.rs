@@ -5,7 +5,10 @@ use std::ptr;
 use fmi_adapter::fmi3::Status;
 
 use crate::harness::{Importer, Resources, collect};
-use crate::integrator::{RATE_1, RATE_2, X_1};
+use crate::integrator::{MASS_KG, RATE_1, RATE_2, X_1};
+
+/// Value reference of `terminate_at_end`.
+const TERMINATE: u32 = 2;
 
 #[test]
 fn values() {
@@ -15,6 +18,8 @@ fn values() {
     for value in [f64::NAN, f64::INFINITY] {
         importer.refused(importer.set(RATE_2, value), "fmi3SetFloat64: rate[2] = ");
     }
+    let part = "fmi3SetFloat64: mass_kg = -1: must be within 0e0 and 1e6";
+    importer.refused(importer.set(MASS_KG, -1.0), part);
     importer.refused(importer.set(X_1, 1.0), "x[1] (value reference 2000) is output");
     importer.refused(importer.set(0, 1.0), "time (value reference 0) is independent");
     importer.refused(importer.set(777, 1.0), "value reference 777 is unknown");
@@ -37,6 +42,11 @@ fn values() {
         importer.refused(
             crate::fmi3SetFloat64(fmu, &RATE_1, 1, ptr::without_provenance(8), 2),
             "nValues is 2, but rate[1] need 1",
+        );
+        let (refs, flags) = ([TERMINATE, TERMINATE], [0_u8, 1]);
+        importer.refused(
+            crate::fmi3SetBoolean(fmu, refs.as_ptr(), 2, flags.as_ptr(), 2),
+            "terminate_at_end is a fixed parameter",
         );
         importer.refused(
             crate::fmi3GetInt32(fmu, &X_1, 1, &mut 0, 1),
@@ -156,7 +166,7 @@ fn what_is_not_declared_is_refused() {
     let importer = Importer::stepping(&resources);
     let fmu = importer.instance;
     unsafe {
-        importer.refused(crate::fmi3EnterEventMode(fmu), "fmi3EnterEventMode: not supported");
+        importer.refused(crate::fmi3EnterConfigurationMode(fmu), "Mode: not supported");
         importer.refused(crate::fmi3SetTime(fmu, 1.0), "fmi3SetTime: not supported");
         let (mut messages, none) = (crate::harness::Messages::new(), ptr::null());
         let log = (&raw mut messages).cast();

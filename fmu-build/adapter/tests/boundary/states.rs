@@ -142,7 +142,11 @@ fn a_blob_brings_its_scenario_along() {
     for other in [&fresh, &running] {
         let (status, state) = other.deserialize(&blob);
         assert_eq!(status, Status::Ok, "{:?}", other.take());
-        assert_eq!(other.scenario(), "", "deserialising touched the running state");
+        assert_eq!(
+            other.scenario(),
+            "scenarios/landing.toml",
+            "deserialising touched the running state"
+        );
         assert_eq!(other.set_state(state), Status::Ok);
         assert_eq!(other.scenario(), "scenarios/other.toml");
         assert_eq!(fly(other, 10, 50), expected);

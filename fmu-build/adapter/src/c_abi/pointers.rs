@@ -36,11 +36,9 @@ pub unsafe fn array_mut<'a, T>(
     }
 }
 
-/// # Safety
-/// `target` is null or points to a value that nobody else touches while the reference lives.
-pub unsafe fn place<'a, T>(what: &'static str, target: *mut T) -> Result<&'a mut T, Error> {
-    // SAFETY: the caller's promise.
-    unsafe { target.as_mut() }.ok_or(Error::Null { what })
+/// A place for one result: an importer may pass the same for several, so it is no reference.
+pub fn place<T>(what: &'static str, target: *mut T) -> Result<*mut T, Error> {
+    if target.is_null() { Err(Error::Null { what }) } else { Ok(target) }
 }
 
 /// # Safety
