@@ -1,5 +1,7 @@
 //! Command line of `lander`.
 
+mod campaign;
+
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -63,6 +65,8 @@ enum Command {
     },
     /// Run touchdowns from a file of contact states, engine off, each to its verdict
     Touchdowns(Touchdowns),
+    /// Run a study: many landings or touchdowns with parameters drawn from distributions
+    Campaign(campaign::Campaign),
 }
 
 #[derive(Args)]
@@ -119,6 +123,7 @@ impl Cli {
                 report.conclude(landing, flown)
             }
             Command::Touchdowns(touchdowns) => touchdowns.run(),
+            Command::Campaign(campaign) => campaign.execute(),
         }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod binomial;
 pub mod descents;
+pub mod flight;
 pub mod landing;
 pub mod layout;
 pub mod master;
@@ -13,6 +14,8 @@ pub mod recorder;
 pub mod results;
 pub mod scene;
 pub mod schedule;
+pub mod spread;
+pub mod study;
 pub mod telemetry;
 pub mod touchdowns;
 pub mod verdict;
