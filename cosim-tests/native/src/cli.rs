@@ -1,6 +1,7 @@
 //! Command line of `lander`.
 
 mod campaign;
+mod rare;
 
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::ops::ControlFlow;
@@ -67,6 +68,8 @@ enum Command {
     Touchdowns(Touchdowns),
     /// Run a study: many landings or touchdowns with parameters drawn from distributions
     Campaign(campaign::Campaign),
+    /// Estimate the probability of a rare tip-over among a study's touchdowns, by subset simulation
+    Rare(rare::Rare),
 }
 
 #[derive(Args)]
@@ -124,6 +127,7 @@ impl Cli {
             }
             Command::Touchdowns(touchdowns) => touchdowns.run(),
             Command::Campaign(campaign) => campaign.execute(),
+            Command::Rare(rare) => rare.execute(),
         }
     }
 }

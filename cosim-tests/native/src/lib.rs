@@ -3,7 +3,6 @@
 //! The FMPy master sends its rows to the same recorder through `lander record`, so two runs
 //! with equal rows leave equal files whoever produced them.
 
-pub mod binomial;
 pub mod descents;
 pub mod flight;
 pub mod landing;
@@ -14,7 +13,7 @@ pub mod recorder;
 pub mod results;
 pub mod scene;
 pub mod schedule;
-pub mod spread;
+pub mod statistics;
 pub mod study;
 pub mod telemetry;
 pub mod touchdowns;

@@ -2,7 +2,7 @@
 
 use claims::{Bound, Claim};
 use cosim::descents::{CLOSED_LOOP, Descent};
-use cosim::spread::Spread;
+use cosim::statistics::spread::Spread;
 use lander_models::Vehicle;
 
 fn fly(seeds: std::ops::RangeInclusive<u64>, threads: usize) -> Vec<Descent> {

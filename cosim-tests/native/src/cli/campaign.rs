@@ -13,7 +13,7 @@ use cosim::study::{Study, campaign, table};
 
 use super::{INTERRUPTED, OK, kit_file, print};
 
-const CAMPAIGNS: &str = "models/campaigns";
+pub const CAMPAIGNS: &str = "models/campaigns";
 
 #[derive(Args)]
 pub struct Campaign {

@@ -10,7 +10,9 @@ use toml::{Table, Value as Toml};
 use super::StudyError;
 use super::failures::Failures;
 use super::parameter::{Parameter, case_unit};
+use super::rare;
 use crate::landing::{hexadecimal, names_a_file};
+use crate::statistics::subset::Settings;
 use crate::touchdowns::COLUMNS;
 
 /// What one run is.
@@ -20,6 +22,23 @@ pub enum Kind {
     Landing,
     /// Truth alone from a state at contact to rest, engine off.
     Touchdown,
+}
+
+/// How runs draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// Each by itself.
+    Independent,
+    /// In groups laid out for Sobol' indices: (A, B, AB_1, AB_2 …) of one row each.
+    Sobol,
+}
+
+/// Layout of the runs of `Sampling::Sobol`.
+pub struct SobolLayout {
+    /// Columns of the inputs.
+    pub inputs: Vec<String>,
+    /// Runs of a row.
+    pub matrices: usize,
 }
 
 /// A study file, read and checked, with the files that it names.
@@ -34,6 +53,9 @@ pub struct Study {
     pub shard_runs: u64,
     pub parameters: Vec<Parameter>,
     pub failures: Failures,
+    pub sampling: Sampling,
+    /// Of `lander rare`.
+    pub rare_event: Settings,
     pub scenario_file: PathBuf,
     pub vehicle_file: PathBuf,
     /// The scenario's and the vehicle's tables before any draw; the case is that of the scenario.
@@ -100,6 +122,10 @@ impl Study {
         }
         let case = read_case(&root, kind)?;
         let failures = Failures::read(&root)?;
+        let sampling = match root.choice("sampling", &["independent", "sobol"])? {
+            "sobol" => Sampling::Sobol,
+            _ => Sampling::Independent,
+        };
         let mut study = Self {
             file: file.to_owned(),
             name,
@@ -109,6 +135,8 @@ impl Study {
             shard_runs,
             parameters,
             failures,
+            sampling,
+            rare_event: rare::read(&root, seed)?,
             scenario_file,
             vehicle_file,
             scenario,
@@ -117,6 +145,7 @@ impl Study {
             hash: String::new(),
         };
         study.check_columns(&root)?;
+        study.check_sampling(&root)?;
         root.finish()?;
         study.hash = study.hash_of(parse_table(file, text)?)?;
         Ok(study)
@@ -157,9 +186,32 @@ impl Study {
         }
     }
 
+    /// Of `Sampling::Sobol`.
+    pub fn sobol_layout(&self) -> Option<SobolLayout> {
+        let inputs: Vec<String> = self.drawn().map(|parameter| parameter.column.clone()).collect();
+        let matrices = inputs.len() + 2;
+        (self.sampling == Sampling::Sobol).then_some(SobolLayout { inputs, matrices })
+    }
+
+    /// Sobol' indices need whole rows, inputs and no failure modes, which are no inputs.
+    fn check_sampling(&self, root: &Section) -> Result<(), ConfigError> {
+        let Some(SobolLayout { inputs, matrices }) = self.sobol_layout() else { return Ok(()) };
+        if inputs.is_empty() || !self.failures.modes.is_empty() {
+            let reason = "is \"sobol\", which needs drawn parameters and no failure modes";
+            return Err(root.error("sampling", reason));
+        }
+        if !self.runs.is_multiple_of(matrices as u64) {
+            let (runs, n) = (self.runs, inputs.len());
+            let reason =
+                format!("is {runs}, must be a multiple of {matrices}: {n} parameters and 2");
+            return Err(root.error("runs", reason));
+        }
+        Ok(())
+    }
+
     fn hash_of(&self, mut study: Table) -> Result<String, ConfigError> {
-        // How many runs and in what portions changes no row.
-        for key in ["name", "runs", "shard_runs"] {
+        // No row depends on these.
+        for key in ["name", "runs", "shard_runs", "rare_event"] {
             study.remove(key);
         }
         let mut digest = Sha256::new();

@@ -9,6 +9,7 @@ pub mod distribution;
 pub mod failures;
 pub mod file;
 pub mod parameter;
+pub mod rare;
 pub mod row;
 pub mod run;
 pub mod shard;

@@ -82,6 +82,14 @@ impl Columns {
         names.join(",")
     }
 
+    /// A result of a row by its column; NaN if there is none of that name.
+    pub fn result(&self, row: &Row, name: &str) -> f64 {
+        let position = self.all.iter().position(|(column, _)| column == name);
+        let first = self.all.len() - row.results.len();
+        let index = position.and_then(|position| position.checked_sub(first));
+        index.and_then(|index| row.results.get(index)).copied().unwrap_or(f64::NAN)
+    }
+
     /// The outcome of a co-simulation's last row.
     pub fn outcome(&self, row: &[f64]) -> &'static str {
         Outcome::from_code(self.layout.scalar(row, "outcome")).unwrap_or_default().name()

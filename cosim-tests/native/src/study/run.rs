@@ -19,6 +19,9 @@ use crate::recorder::Recorder;
 use crate::scene::Scene;
 use crate::touchdowns::{self, Case};
 
+/// Stream of the runs' own seeds.
+const RUN_SEED: &str = "run seed";
+
 /// A parameter's value in a run.
 pub type Draw<'a> = (&'a Parameter, Value);
 
@@ -67,7 +70,18 @@ impl Study {
             let (file, runs) = (self.file.clone(), self.runs);
             return Err(StudyError::NoSuchRun { file, run: number, runs });
         }
-        self.run_of(number, &|stream| random::uniform(self.seed, stream, number))
+        let Some(layout) = self.sobol_layout() else {
+            return self.run_of(number, &|stream| random::uniform(self.seed, stream, number));
+        };
+        let matrices = layout.matrices as u64;
+        let (row, matrix) = (number / matrices, number % matrices);
+        let exchanged = matrix.checked_sub(2).and_then(|i| self.drawn().nth(i as usize));
+        self.run_of(number, &|stream| {
+            let of_b = matrix == 1 || exchanged.is_some_and(|parameter| parameter.key == stream);
+            // The run's own seed stays with A: noise is part of the function, not an input.
+            let sample = if of_b && stream != RUN_SEED { "B" } else { "A" };
+            random::uniform(self.seed, &format!("{sample} {stream}"), row)
+        })
     }
 
     /// As `run`, with draws given by stream: a parameter's stream is its key.
@@ -82,7 +96,7 @@ impl Study {
             .collect();
         let known: Vec<Draw> = draws.iter().filter(|(p, _)| p.known).cloned().collect();
         // A scenario's seed is a whole number that a file can hold.
-        let seed = (uniform("run seed") * 9.007e15) as u64;
+        let seed = (uniform(RUN_SEED) * 9.007e15) as u64;
         let realise = |draws: &[Draw]| {
             let mut world = self.realise(draws).map_err(|r| r.at(self, format!("run {number}")))?;
             world.scenario.seed = seed;
