@@ -1,6 +1,7 @@
 //! Command line of `lander`.
 
 mod campaign;
+mod map;
 mod rare;
 
 use std::io::{BufReader, ErrorKind, Read, Write};
@@ -68,6 +69,8 @@ enum Command {
     Touchdowns(Touchdowns),
     /// Run a study: many landings or touchdowns with parameters drawn from distributions
     Campaign(campaign::Campaign),
+    /// Map which velocities at contact a lander survives
+    Map(map::Map),
     /// Estimate the probability of a rare tip-over among a study's touchdowns, by subset simulation
     Rare(rare::Rare),
 }
@@ -127,6 +130,7 @@ impl Cli {
             }
             Command::Touchdowns(touchdowns) => touchdowns.run(),
             Command::Campaign(campaign) => campaign.execute(),
+            Command::Map(map) => map.execute(),
             Command::Rare(rare) => rare.execute(),
         }
     }

@@ -134,3 +134,39 @@ fn a_rare_event_is_found_in_steps_and_compared_with_plain_runs() {
     let error = String::from_utf8(refused.stderr).unwrap();
     assert!(error.contains("key `kind`: is \"landing\""), "{error}");
 }
+
+#[test]
+fn the_page_is_whole_and_says_how_to_repeat_it() {
+    let folder = study("page", "runs = { value = 30, unit = \"1\" }");
+    json(&folder, &["campaign", "study.toml", "--out", "out", "--json"]);
+    let out = folder.join("out/drops");
+    let html = fs::read_to_string(out.join("report.html")).unwrap();
+    // Nothing is fetched: no link, script or picture from elsewhere but the names of XML spaces.
+    let foreign = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for word in ["http:", "https:", "<script", "<link", "<img", "@import", "url("] {
+        assert!(!foreign.contains(word), "{word}");
+    }
+    for word in [
+        "30 touchdowns",
+        "uniform, 0.5 to 2 m/s",
+        "95 % bounds",
+        "lander campaign drops.toml --run",
+        "SHA-256",
+        "key = &quot;case.across_m_s&quot;",
+    ] {
+        assert!(html.contains(word), "{word}");
+    }
+    let mut figures = 0;
+    for entry in fs::read_dir(out.join("figures")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "svg") {
+            let svg = fs::read_to_string(&path).unwrap();
+            roxmltree::Document::parse(&svg).unwrap();
+            assert!(html.contains(svg.as_str()) && !svg.contains("NaN"), "{path:?}");
+            let csv = fs::read_to_string(path.with_extension("csv")).unwrap();
+            assert!(csv.lines().count() > 1, "{path:?}");
+            figures += 1;
+        }
+    }
+    assert!(figures >= 4, "{figures}");
+}

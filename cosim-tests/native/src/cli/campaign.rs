@@ -1,12 +1,14 @@
 //! `lander campaign`: a study to its tables, or one of its runs alone.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use cosim::landing::Error;
+use cosim::report;
 use cosim::study::campaign::{End, Part};
+use cosim::study::data::Data;
 use cosim::study::row::Columns;
 use cosim::study::summary::Summary;
 use cosim::study::{Study, campaign, table};
@@ -79,18 +81,16 @@ impl Campaign {
     }
 
     fn conclude(&self, campaign: &campaign::Campaign) -> Result<u8, Error> {
-        let summary = Summary::of(campaign)?;
+        let data = Data::read(campaign)?;
+        let summary = Summary::new(campaign, &data);
+        report::campaign::page(campaign, &data, &summary).write(&campaign.folder, "report")?;
         let json = serde_json::to_string_pretty(&summary)? + "\n";
         cosim::landing::write_whole(&campaign.folder.join("summary.json"), &json)?;
         if self.json {
             print(&json)?;
         } else {
-            let files = |name: &str| Path::display(&campaign.folder.join(name)).to_string();
-            print(&format!(
-                "{summary}files: {}, {}\n",
-                files("results.csv"),
-                files("results.parquet")
-            ))?;
+            let folder = campaign.folder.display();
+            print(&format!("{summary}  report and tables in {folder}\n"))?;
         }
         Ok(OK)
     }

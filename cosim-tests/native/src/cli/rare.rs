@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cosim::landing::{Error, write_whole};
+use cosim::report;
 use cosim::study::row::Columns;
 use cosim::study::{Study, StudyError, campaign, rare};
 
@@ -35,6 +36,7 @@ impl Rare {
         let found = rare::estimate(&campaign, self.threads)?;
         let json = serde_json::to_string_pretty(&found)? + "\n";
         write_whole(&campaign.folder.join("rare-event.json"), &json)?;
+        report::rare::page(&study, &found).write(&campaign.folder, "rare-event")?;
         print(&if self.json { json } else { found.to_string() })?;
         Ok(OK)
     }

@@ -24,6 +24,38 @@ impl std::fmt::Display for Value {
     }
 }
 
+impl std::fmt::Display for Distribution {
+    /// In words, with its unit.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let unit = match self.unit.as_deref() {
+            None | Some("1") => String::new(),
+            Some(unit) => format!(" {unit}"),
+        };
+        match &self.shape {
+            Shape::Constant(value) => write!(f, "is {value}{unit}"),
+            Shape::Choice(values) => {
+                let words: Vec<String> = values.iter().map(|(v, _)| v.to_string()).collect();
+                write!(f, "one of {}{unit}", words.join(", "))
+            }
+            Shape::Uniform { low, high } => write!(f, "uniform, {low} to {high}{unit}"),
+            Shape::Normal { mean, deviation, low, high } => {
+                write!(f, "normal, {mean} ± {deviation}{unit}")?;
+                let bounds = [("above", low), ("below", high)];
+                for (word, bound) in bounds.into_iter().filter(|(_, bound)| bound.is_finite()) {
+                    write!(f, ", {word} {bound}{unit}")?;
+                }
+                Ok(())
+            }
+            Shape::LogNormal { median, spread } => {
+                write!(f, "log-normal, median {median}{unit}, spread {spread}")
+            }
+            Shape::Triangular { low, mode, high } => {
+                write!(f, "triangular, {low} to {high}{unit}, peak {mode}{unit}")
+            }
+        }
+    }
+}
+
 /// Shape with its numbers, all in the parameter's unit.
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {

@@ -12,6 +12,7 @@ use super::failures::Failures;
 use super::parameter::{Parameter, case_unit};
 use super::rare;
 use crate::landing::{hexadecimal, names_a_file};
+use crate::map::file::Map;
 use crate::statistics::subset::Settings;
 use crate::touchdowns::COLUMNS;
 
@@ -54,6 +55,8 @@ pub struct Study {
     pub parameters: Vec<Parameter>,
     pub failures: Failures,
     pub sampling: Sampling,
+    /// Of `lander map`.
+    pub map: Option<Map>,
     /// Of `lander rare`.
     pub rare_event: Settings,
     pub scenario_file: PathBuf,
@@ -63,6 +66,8 @@ pub struct Study {
     pub vehicle: Table,
     /// Columns of the contact state that the study sets, by index.
     pub case: Vec<(usize, f64)>,
+    /// The study file itself.
+    pub text: String,
     /// SHA-256 of all that a row depends on, but for the version of the software.
     pub hash: String,
 }
@@ -136,12 +141,14 @@ impl Study {
             parameters,
             failures,
             sampling,
+            map: Map::read(&root)?,
             rare_event: rare::read(&root, seed)?,
             scenario_file,
             vehicle_file,
             scenario,
             vehicle,
             case,
+            text: text.to_owned(),
             hash: String::new(),
         };
         study.check_columns(&root)?;

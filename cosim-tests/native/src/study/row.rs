@@ -10,8 +10,8 @@ use crate::schedule::{Pair, Schedule, ScheduleError, Side};
 
 const INTERFACES: Pair<&Interface> = Pair { truth: &TRUTH, guidance: &GUIDANCE };
 
-/// What guidance has to say about a landing.
-const OF_GUIDANCE: [&str; 2] = ["plans_accepted", "plans_failed"];
+/// Outputs of interest besides the results: the last place, and how often guidance planned.
+const MORE: [&str; 3] = ["position_w", "plans_accepted", "plans_failed"];
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl Columns {
         all.push(("end_time_s".to_owned(), Content::Number));
         let mut positions = vec![0];
         let names = schedule.results.iter().map(String::as_str).filter(|name| *name != "outcome");
-        for name in names.chain(OF_GUIDANCE) {
+        for name in names.chain(MORE) {
             // None of guidance's in a touchdown.
             let columns = layout.columns(name);
             for (number, position) in (1..).zip(columns.clone()) {

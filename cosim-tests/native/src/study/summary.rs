@@ -6,7 +6,6 @@ use std::fmt;
 use lander_models::Outcome;
 use serde::Serialize;
 
-use super::StudyError;
 use super::campaign::Campaign;
 use super::data::Data;
 use super::file::Study;
@@ -112,11 +111,6 @@ pub struct Share {
 }
 
 impl Summary {
-    pub fn of(campaign: &Campaign) -> Result<Self, StudyError> {
-        let data = Data::read(campaign)?;
-        Ok(Self::new(campaign, &data))
-    }
-
     pub fn new(campaign: &Campaign, data: &Data) -> Self {
         let study = campaign.study;
         let mut groups = vec![Group::new("all", data.outcomes.iter())];
@@ -142,14 +136,15 @@ impl Summary {
 }
 
 impl Quantiles {
-    /// `None` for what was never measured.
+    /// `None` for what was never measured, or always the same.
     fn new(result: &str, data: &Data) -> Option<Self> {
         let mut sorted = data.column(result)?.to_vec();
         sorted.retain(|value| value.is_finite());
         sorted.sort_by(f64::total_cmp);
         let of = |share| Quantile { share, bounded: quantile(&sorted, share) };
         let quantiles = SHARES.map(of).to_vec();
-        (!sorted.is_empty()).then(|| Self {
+        // What is the same in every run tells nothing.
+        (sorted.first() != sorted.last()).then(|| Self {
             result: result.to_owned(),
             measured: sorted.len(),
             quantiles,
