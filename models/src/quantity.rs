@@ -79,7 +79,12 @@ impl Section {
             file: file.to_owned(),
             reason: error.to_string().trim().replace('\n', " "),
         })?;
-        Ok(Self::over(file.to_owned(), String::new(), table, provenance))
+        Ok(Self::of(file, table, provenance))
+    }
+
+    /// As `read`, from a table already in memory; `file` only names it.
+    pub fn of(file: &Path, table: Table, provenance: bool) -> Self {
+        Self::over(file.to_owned(), String::new(), table, provenance)
     }
 
     fn over(file: PathBuf, path: String, table: Table, provenance: bool) -> Self {
@@ -124,6 +129,28 @@ impl Section {
         if self.has(key) { self.section(key) } else { Ok(self.child(key, Table::new())) }
     }
 
+    /// A list of sub-tables (`[[key]]`), empty if it isn't there. The first is `key[1]` in errors.
+    pub fn sections(&self, key: &str) -> Result<Vec<Self>, ConfigError> {
+        if !self.has(key) {
+            return Ok(Vec::new());
+        }
+        let wrong = |found: &Value| {
+            self.error(key, format!("must be a list of tables, has {}", found.type_str()))
+        };
+        let value = self.need(key)?;
+        let items = value.as_array().ok_or_else(|| wrong(value))?;
+        let tables = items.iter().zip(1..).map(|(item, number)| match item {
+            Value::Table(table) => Ok(self.child(&format!("{key}[{number}]"), table.clone())),
+            other => Err(wrong(other)),
+        });
+        tables.collect()
+    }
+
+    /// Names of the keys that are there.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.table.keys().map(String::as_str)
+    }
+
     fn child(&self, key: &str, table: Table) -> Self {
         let path =
             if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
@@ -135,6 +162,17 @@ impl Section {
             Value::String(text) => Ok(text.clone()),
             other => Err(self.error(key, format!("must be text, is {}", other.type_str()))),
         }
+    }
+
+    /// A list of texts.
+    pub fn texts(&self, key: &str) -> Result<Vec<String>, ConfigError> {
+        let value = self.need(key)?;
+        let items = value.as_array().map(Vec::as_slice).unwrap_or_default();
+        let texts: Option<Vec<_>> =
+            items.iter().map(|item| item.as_str().map(str::to_owned)).collect();
+        texts
+            .filter(|texts| !texts.is_empty())
+            .ok_or_else(|| self.error(key, format!("must be a list of texts, is {value}")))
     }
 
     /// One of `choices`; the first is the default when the key is absent.
@@ -163,6 +201,13 @@ impl Section {
         default: f64,
     ) -> Result<f64, ConfigError> {
         if self.has(key) { self.number(key, unit, limit) } else { Ok(default) }
+    }
+
+    /// The unit that the file gives a number, for numbers whose unit is not known beforehand.
+    pub fn unit_of(&self, key: &str) -> Result<String, ConfigError> {
+        let unit = self.need(key)?.get("unit").and_then(Value::as_str);
+        unit.map(str::to_owned)
+            .ok_or_else(|| self.error(key, "has no unit: write { value = …, unit = \"…\" }"))
     }
 
     /// A duration in s, a whole number of ticks.
@@ -197,6 +242,17 @@ impl Section {
             Value::Array(rows) => {
                 rows.iter().map(|row| self.array(key, row, unit, Limit::Any)).collect()
             }
+            other => Err(self.error(key, format!("must be a list, is {}", other.type_str()))),
+        }
+    }
+
+    /// A list of any number of numbers, each within `limit`.
+    pub fn numbers(&self, key: &str, unit: &str, limit: Limit) -> Result<Vec<f64>, ConfigError> {
+        match self.quantity(key, unit)? {
+            Value::Array(items) => items
+                .iter()
+                .map(|item| self.check(key, self.finite(key, item)?, unit, limit))
+                .collect(),
             other => Err(self.error(key, format!("must be a list, is {}", other.type_str()))),
         }
     }

@@ -1,5 +1,9 @@
 //! Command line of `lander`.
 
+mod campaign;
+mod map;
+mod rare;
+
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -74,6 +78,12 @@ enum Command {
     },
     /// Run touchdowns from a file of contact states, engine off, each to its verdict
     Touchdowns(Touchdowns),
+    /// Run a study: many landings or touchdowns with parameters drawn from distributions
+    Campaign(campaign::Campaign),
+    /// Map which velocities at contact a lander survives
+    Map(map::Map),
+    /// Estimate the probability of a rare tip-over among a study's touchdowns, by subset simulation
+    Rare(rare::Rare),
 }
 
 #[derive(Args)]
@@ -133,6 +143,9 @@ impl Cli {
                 report.conclude(landing, flown)
             }
             Command::Touchdowns(touchdowns) => touchdowns.run(),
+            Command::Campaign(campaign) => campaign.execute(),
+            Command::Map(map) => map.execute(),
+            Command::Rare(rare) => rare.execute(),
         }
     }
 }

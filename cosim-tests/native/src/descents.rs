@@ -4,18 +4,14 @@
 //! Runs are independent, so they are spread over threads; results stand in the order of the seeds and
 //! have the same bits whatever the number of threads.
 
-use std::ops::ControlFlow;
-
-use guidance_fmu::Guidance;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
-use lander_models::{ModelError, Outcome, Scenario, Vehicle};
+use lander_models::{Outcome, Scenario, Vehicle};
 use rayon::prelude::*;
 use serde::Serialize;
-use truth_model::TruthModel;
 
+use crate::flight;
 use crate::landing::Error;
 use crate::layout::Layout;
-use crate::master::Master;
 use crate::progress::Count;
 use crate::schedule::{Pair, Schedule};
 
@@ -122,7 +118,7 @@ impl Scheme {
         let run_one = |seed: &u64| {
             let text = self.scenario_text("vehicle.toml", *seed);
             let scenario = Scenario::parse("monte-carlo.toml".as_ref(), &text, vehicle)?;
-            let row = last_row(&schedule, scenario, vehicle);
+            let row = flight::last_row(&schedule, (&scenario, vehicle), (&scenario, vehicle));
             progress.one_more();
             Ok(row.map_or(Descent::failed(*seed), |row| Descent::from_row(*seed, &layout, &row)))
         };
@@ -130,26 +126,6 @@ impl Scheme {
         progress.finish();
         descents.into_iter().collect()
     }
-}
-
-/// Flies one scenario to its end.
-fn last_row(
-    schedule: &Schedule,
-    scenario: Scenario,
-    vehicle: &Vehicle,
-) -> Result<Vec<f64>, ModelError> {
-    let guidance = Guidance::new(&scenario, vehicle.clone());
-    let (stop_time, mut last) = (scenario.stop_time, Vec::new());
-    let guidance_start = guidance.initial_state();
-    let truth = TruthModel::new(scenario, vehicle.clone());
-    let start = truth.initial_state();
-    let mut master = Master::of(schedule, (truth, start), (guidance, guidance_start));
-    master.run::<ModelError>(stop_time, |row| {
-        last.clear();
-        last.extend_from_slice(row);
-        Ok(ControlFlow::Continue(()))
-    })?;
-    Ok(last)
 }
 
 impl Descent {
@@ -188,45 +164,9 @@ impl Descent {
     }
 }
 
-/// Mean, quantiles and greatest of what was measured; all NaN of nothing.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Spread {
-    pub mean: f64,
-    pub p50: f64,
-    pub p99: f64,
-    pub max: f64,
-}
-
-impl Spread {
-    /// Over the values that are no NaN; a quantile is the value of its rank, not interpolated.
-    pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.filter(|value| !value.is_nan()).collect();
-        values.sort_by(f64::total_cmp);
-        let n = values.len() as f64;
-        let rank = |q: f64| {
-            let rank = (q * n).ceil().max(1.0) as usize;
-            values.get(rank - 1).copied().unwrap_or(f64::NAN)
-        };
-        Self {
-            mean: values.iter().sum::<f64>() / n,
-            p50: rank(0.5),
-            p99: rank(0.99),
-            max: rank(1.0),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_spread_takes_values_by_rank_and_leaves_out_what_was_not_measured() {
-        let spread = Spread::of((1..=200).rev().map(f64::from).chain([f64::NAN]));
-        assert_eq!((spread.mean, spread.p50), (100.5, 100.0));
-        assert_eq!((spread.p99, spread.max), (198.0, 200.0));
-        assert!(Spread::of(std::iter::empty()).max.is_nan());
-    }
 
     #[test]
     fn a_scheme_s_scenario_says_what_the_scheme_does() {

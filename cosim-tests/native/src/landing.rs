@@ -15,6 +15,7 @@ use crate::recorder::{Recorder, RecorderError};
 use crate::results::{Results, UnknownOutcome};
 use crate::scene::Scene;
 use crate::schedule::{Schedule, ScheduleError};
+use crate::study::StudyError;
 use crate::touchdowns::TouchdownsError;
 use crate::verdict::Verdict;
 
@@ -28,6 +29,8 @@ pub enum Error {
     Schedule(#[from] ScheduleError),
     #[error(transparent)]
     Touchdowns(#[from] TouchdownsError),
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error(transparent)]
     Recorder(#[from] RecorderError),
     #[error("{}: {source}", file.display())]
@@ -205,7 +208,8 @@ impl Landing {
     }
 }
 
-fn names_a_file(name: &str) -> bool {
+/// Whether a name can be that of a file or folder.
+pub fn names_a_file(name: &str) -> bool {
     Path::new(name).file_name() == Some(name.as_ref())
         && name.len() <= NAME_MAX_BYTES
         && !name.contains(|c: char| c.is_control() || c == '\\')
@@ -237,7 +241,7 @@ pub fn write_whole(file: &Path, text: &str) -> Result<(), Error> {
         .map_err(|source| Error::File { file: file.to_owned(), source })
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a String cannot fail.
         let _ = write!(text, "{byte:02x}");

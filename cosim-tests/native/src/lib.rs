@@ -3,18 +3,23 @@
 //! The FMPy master sends its rows to the same recorder through `lander record`, so two runs
 //! with equal rows leave equal files whoever produced them.
 
-pub mod binomial;
 pub mod descents;
+pub mod flight;
 pub mod landing;
 pub mod layout;
+pub mod map;
 pub mod master;
 pub mod progress;
 pub mod recorder;
 pub mod relief;
 pub mod replay;
+pub mod report;
 pub mod results;
 pub mod scene;
 pub mod schedule;
+pub mod statistics;
+pub mod study;
+pub mod svg;
 pub mod telemetry;
 pub mod touchdowns;
 pub mod urdf;

@@ -86,7 +86,8 @@ impl Count {
         let terminal = std::io::stderr().is_terminal();
         let target =
             if terminal { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let style = ProgressStyle::with_template("{bar:20} {pos}/{len} {msg}, {eta} left");
+        let style =
+            ProgressStyle::with_template("{bar:20} {pos}/{len} {msg}, {per_sec}, {eta} left");
         let bar = ProgressBar::with_draw_target(Some(total), target)
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
             .with_message(what);
@@ -105,10 +106,14 @@ impl Count {
         }
         *next = Instant::now() + COUNT_LINE_PERIOD;
         let (done, total) = (self.bar.position(), self.total);
-        let left = start.elapsed().mul_f64((total - done) as f64 / done as f64);
-        let left_s = left.as_secs();
+        let rate = done as f64 / start.elapsed().as_secs_f64();
+        let left_s = (total - done) as f64 / rate;
         // Nobody has to listen.
-        let _ = writeln!(std::io::stderr(), "{done}/{total} {}, {left_s} s left", self.what);
+        let _ = writeln!(
+            std::io::stderr(),
+            "{done}/{total} {}, {rate:.3}/s, {left_s:.0} s left",
+            self.what
+        );
     }
 
     /// Removes the bar.

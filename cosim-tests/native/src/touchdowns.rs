@@ -44,6 +44,9 @@ pub const COLUMNS: [(&str, Limit); 15] = [
     ("captured", Limit::Within(0.0, 1.0)),
 ];
 
+/// A state at contact, as `COLUMNS`.
+pub type Case = [f64; COLUMNS.len()];
+
 /// Results of a row, by their names in the signal table; a result never measured is NaN.
 const RESULTS: [&str; 7] = [
     "contact_time_s",
@@ -95,13 +98,13 @@ impl From<Engine> for ContactEngine {
 pub struct Cases {
     file: PathBuf,
     /// As `COLUMNS`, with the line in the file.
-    rows: Vec<(usize, [f64; COLUMNS.len()])>,
+    rows: Vec<(usize, Case)>,
 }
 
 /// One touchdown: the case and how it ended.
 #[derive(Clone, Debug)]
 pub struct Touchdown {
-    pub case: [f64; COLUMNS.len()],
+    pub case: Case,
     pub outcome: Outcome,
     pub end_time_s: f64,
     /// As `RESULTS`.
@@ -145,7 +148,7 @@ impl Cases {
             .build()
             .map_err(|error| TouchdownsError::Threads(threads, error))?;
         let progress = Count::new("touchdowns", self.rows.len());
-        let run_one = |(line, case): &(usize, [f64; COLUMNS.len()])| {
+        let run_one = |(line, case): &(usize, Case)| {
             let touchdown = run(vehicle, engine, stop_time, case);
             progress.one_more();
             touchdown.map_err(|source| TouchdownsError::Run {
@@ -180,7 +183,7 @@ fn read_row(
     line: usize,
     text: &str,
     vehicle: &Vehicle,
-) -> Result<[f64; COLUMNS.len()], TouchdownsError> {
+) -> Result<Case, TouchdownsError> {
     let words: Vec<&str> = text.split(',').map(str::trim).collect();
     if words.len() != COLUMNS.len() {
         let count = words.len();
@@ -196,18 +199,7 @@ fn read_row(
             need,
         };
         let value: f64 = word.parse().map_err(|_| wrong("must be a number".to_owned()))?;
-        let capacity_kg = vehicle.mass.propellant.capacity_kg;
-        let need = match limit {
-            _ if !value.is_finite() => Some("must be finite".to_owned()),
-            _ if column == "propellant_kg" && value > capacity_kg => {
-                Some(format!("must not exceed the vehicle's {capacity_kg}"))
-            }
-            _ if column == "captured" && value != 0.0 && value != 1.0 => {
-                Some("must be 0 or 1".to_owned())
-            }
-            _ => limit.violated_by(value),
-        };
-        match need {
+        match violation(column, limit, value, vehicle) {
             None => *slot = value,
             Some(need) => return Err(wrong(need)),
         }
@@ -215,27 +207,57 @@ fn read_row(
     Ok(row)
 }
 
+/// What the value of a column should have been, if it is wrong for this vehicle.
+fn violation(column: &str, limit: Limit, value: f64, vehicle: &Vehicle) -> Option<String> {
+    let capacity_kg = vehicle.mass.propellant.capacity_kg;
+    match limit {
+        _ if !value.is_finite() => Some("must be finite".to_owned()),
+        _ if column == "propellant_kg" && value > capacity_kg => {
+            Some(format!("must not exceed the vehicle's {capacity_kg}"))
+        }
+        _ if column == "captured" && value != 0.0 && value != 1.0 => {
+            Some("must be 0 or 1".to_owned())
+        }
+        _ => limit.violated_by(value),
+    }
+}
+
+/// The first column of a case that is wrong for this vehicle, and why.
+pub fn check(case: &Case, vehicle: &Vehicle) -> Result<(), (&'static str, String)> {
+    let mut columns = COLUMNS.iter().zip(case);
+    let wrong = columns.find_map(|((column, limit), value)| {
+        let need = violation(column, *limit, *value, vehicle)?;
+        Some((*column, format!("is {value}, {need}")))
+    });
+    wrong.map_or(Ok(()), Err)
+}
+
 /// One touchdown to its verdict.
 fn run(
     vehicle: &Vehicle,
     engine: Engine,
     stop_time: Ticks,
-    case: &[f64; COLUMNS.len()],
+    case: &Case,
 ) -> Result<Touchdown, ModelError> {
-    let model = model(vehicle, engine.into(), stop_time, case)?;
-    let mut state = model.initial_state();
-    let engine_off = vec![0.0; TRUTH.input_len()];
-    model.step(&mut state, &engine_off, stop_time)?;
-    let mut outputs = vec![0.0; TRUTH.output_len()];
-    model.outputs(&state, &mut outputs);
+    let (end, outputs) = settle(&model(vehicle, engine.into(), stop_time, case)?)?;
     // Every name stands in the table: `results_are_truth_s_outputs` holds that.
     let value = |name| TRUTH.output_offset(name).map_or(f64::NAN, |offset| outputs[offset]);
     Ok(Touchdown {
         case: *case,
         outcome: Outcome::from_code(value("outcome")).unwrap_or_default(),
-        end_time_s: state.now.seconds(),
+        end_time_s: end.seconds(),
         results: RESULTS.map(value),
     })
+}
+
+/// Runs a truth model with its engine off to its verdict. When it ended, and its outputs then.
+pub fn settle(model: &TruthModel) -> Result<(Ticks, Vec<f64>), ModelError> {
+    let mut state = model.initial_state();
+    let engine_off = vec![0.0; TRUTH.input_len()];
+    model.step(&mut state, &engine_off, model.scenario().stop_time)?;
+    let mut outputs = vec![0.0; TRUTH.output_len()];
+    model.outputs(&state, &mut outputs);
+    Ok((state.now, outputs))
 }
 
 /// The truth model of a case, its lowest point `START_GAP_M` above the ground.
@@ -246,21 +268,40 @@ pub fn model(
     vehicle: &Vehicle,
     engine: ContactEngine,
     stop_time: Ticks,
-    case: &[f64; COLUMNS.len()],
+    case: &Case,
 ) -> Result<TruthModel, ConfigError> {
-    let mut scenario = scenario(vehicle, case)?;
+    let mut scenario = Scenario::parse("tip-over.toml".as_ref(), BASE, vehicle)?;
     scenario.contact_engine = engine;
     scenario.stop_time = stop_time;
+    Ok(place(scenario, vehicle, case))
+}
+
+/// The truth model of a case on a scenario's site, but for what the case has of it.
+pub fn place(scenario: Scenario, vehicle: &Vehicle, case: &Case) -> TruthModel {
+    let mut scenario = at_origin(scenario, vehicle, case);
     let normal_w = scenario.terrain.normal_w();
     // From the origin straight up until the lowest point is clear by the gap.
     let low = TruthModel::new(scenario.clone(), vehicle.clone());
     let climb_m = START_GAP_M - low.lowest_m(&low.initial_state());
     scenario.initial.position_w.z += climb_m / normal_w.z;
-    Ok(TruthModel::new(scenario, vehicle.clone()))
+    TruthModel::new(scenario, vehicle.clone())
 }
 
-/// The base scenario with the site and start of a row, O at the world's origin.
-fn scenario(vehicle: &Vehicle, case: &[f64; COLUMNS.len()]) -> Result<Scenario, ConfigError> {
+/// What a scenario has of a case: its site and propellant. Upright and without speed.
+pub fn case_of(scenario: &Scenario) -> Case {
+    let mut case = [0.0; COLUMNS.len()];
+    let terrain = &scenario.terrain;
+    case[0] = scenario.initial.propellant_kg;
+    case[1] = scenario.gravity_m_s2;
+    case[11] = terrain.slope_rad.to_degrees();
+    case[12] = terrain.downhill_rad.to_degrees();
+    case[13] = terrain.friction;
+    case[14] = f64::from(u8::from(terrain.pads_captured));
+    case
+}
+
+/// The scenario with the site and start of a case, O at the world's origin.
+fn at_origin(mut scenario: Scenario, vehicle: &Vehicle, case: &Case) -> Scenario {
     let [
         propellant_kg,
         gravity_m_s2,
@@ -278,7 +319,6 @@ fn scenario(vehicle: &Vehicle, case: &[f64; COLUMNS.len()]) -> Result<Scenario, 
         friction,
         captured,
     ] = *case;
-    let mut scenario = Scenario::parse("tip-over.toml".as_ref(), BASE, vehicle)?;
     scenario.gravity_m_s2 = gravity_m_s2;
     scenario.terrain.slope_rad = slope_deg.to_radians();
     scenario.terrain.downhill_rad = downhill_deg.to_radians();
@@ -296,7 +336,7 @@ fn scenario(vehicle: &Vehicle, case: &[f64; COLUMNS.len()]) -> Result<Scenario, 
         rate_b,
         propellant_kg,
     };
-    Ok(scenario)
+    scenario
 }
 
 /// The rows as CSV: the columns of the cases, then those of the results. A result that was never

@@ -1,7 +1,8 @@
 //! Landings under the paper's perturbations, against the limits that a gentle touchdown has.
 
 use claims::{Bound, Claim};
-use cosim::descents::{CLOSED_LOOP, Descent, Spread};
+use cosim::descents::{CLOSED_LOOP, Descent};
+use cosim::statistics::spread::Spread;
 use lander_models::Vehicle;
 
 fn fly(seeds: std::ops::RangeInclusive<u64>, threads: usize) -> Vec<Descent> {

@@ -13,6 +13,8 @@ mod touchdown;
 
 use std::path::{Path, PathBuf};
 
+use toml::Table;
+
 pub use contact::ContactEngine;
 pub use disturbances::{Disturbances, Offsets};
 pub use faults::*;
@@ -75,6 +77,11 @@ impl Scenario {
     /// As `load`, from text in memory, with the vehicle given.
     pub fn parse(file: &Path, text: &str, vehicle: &Vehicle) -> Result<Self, ConfigError> {
         Self::from_section(Section::parse(file, text, false)?, vehicle)
+    }
+
+    /// As `load`, from a table in memory, with the vehicle given.
+    pub fn of(file: &Path, table: Table, vehicle: &Vehicle) -> Result<Self, ConfigError> {
+        Self::from_section(Section::of(file, table, false), vehicle)
     }
 
     fn from_section(root: Section, vehicle: &Vehicle) -> Result<Self, ConfigError> {

@@ -11,6 +11,8 @@ mod slosh;
 
 use std::path::Path;
 
+use toml::Table;
+
 pub use curve::Curve;
 pub use engine::{DeadZone, Engine};
 pub use gear::{Gear, Leg, Strut};
@@ -49,6 +51,11 @@ impl Vehicle {
     /// Parses `text`; `file` only names it in errors.
     pub fn parse(file: &Path, text: &str) -> Result<Self, ConfigError> {
         Self::from_section(Section::parse(file, text, true)?)
+    }
+
+    /// As `load`, from a table in memory; `file` only names it in errors.
+    pub fn of(file: &Path, table: Table) -> Result<Self, ConfigError> {
+        Self::from_section(Section::of(file, table, true))
     }
 
     fn from_section(root: Section) -> Result<Self, ConfigError> {

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use cosim::binomial::lower_limit;
-use cosim::descents::{Descent, Scheme, Spread};
+use cosim::descents::{Descent, Scheme};
+use cosim::statistics::binomial::lower_limit;
+use cosim::statistics::spread::Spread;
 use serde::Serialize;
 
 /// All descents of a scheme.

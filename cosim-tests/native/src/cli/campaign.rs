@@ -1,0 +1,97 @@
+//! `lander campaign`: a study to its tables, or one of its runs alone.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use cosim::landing::Error;
+use cosim::report;
+use cosim::study::campaign::{End, Part};
+use cosim::study::data::Data;
+use cosim::study::row::Columns;
+use cosim::study::summary::Summary;
+use cosim::study::{Study, campaign, table};
+
+use super::{INTERRUPTED, OK, kit_file, print};
+
+pub const CAMPAIGNS: &str = "models/campaigns";
+
+#[derive(Args)]
+pub struct Campaign {
+    /// Study file, or the name of one in models/campaigns
+    study: PathBuf,
+    /// Folder for a folder of the study's name
+    #[arg(long, default_value = "results/campaigns")]
+    out: PathBuf,
+    /// Number of threads; 0 takes all cores. The results don't depend on it
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Run part i of n alone, for as many jobs; a last campaign without it merges all
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Part>,
+    /// Run this one alone and print its row; no table is touched
+    #[arg(long, value_name = "NUMBER", conflicts_with = "shard")]
+    run: Option<u64>,
+    /// MCAP log of that run
+    #[arg(long, value_name = "FILE", requires = "run")]
+    log: Option<PathBuf>,
+    /// Print the summary, or the row, as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl Campaign {
+    pub fn execute(&self) -> Result<u8, Error> {
+        let study = Study::load(&kit_file(self.study.clone(), CAMPAIGNS))?;
+        let columns = Columns::new(&study)?;
+        match self.run {
+            Some(number) => self.one(&study, &columns, number),
+            None => self.all(&study, &columns),
+        }
+    }
+
+    fn one(&self, study: &Study, columns: &Columns, number: u64) -> Result<u8, Error> {
+        let run = study.run(number)?;
+        let row = run.finish(study.kind, columns);
+        if let Some(file) = &self.log {
+            run.log(study.kind, columns, file)?;
+        }
+        if self.json {
+            print(&(serde_json::to_string_pretty(&row.to_json(columns))? + "\n"))?;
+        } else {
+            print(&format!("{}\n{}\n", columns.header(), row.to_csv()))?;
+        }
+        Ok(OK)
+    }
+
+    fn all(&self, study: &Study, columns: &Columns) -> Result<u8, Error> {
+        let campaign = campaign::Campaign::new(study, columns, &self.out);
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&interrupted);
+        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        match campaign.run(self.shard, self.threads, &interrupted)? {
+            End::Interrupted => Ok(INTERRUPTED),
+            End::Part => Ok(OK),
+            End::Whole => {
+                table::merge(&campaign)?;
+                self.conclude(&campaign)
+            }
+        }
+    }
+
+    fn conclude(&self, campaign: &campaign::Campaign) -> Result<u8, Error> {
+        let data = Data::read(campaign)?;
+        let summary = Summary::new(campaign, &data);
+        report::campaign::page(campaign, &data, &summary).write(&campaign.folder, "report")?;
+        let json = serde_json::to_string_pretty(&summary)? + "\n";
+        cosim::landing::write_whole(&campaign.folder.join("summary.json"), &json)?;
+        if self.json {
+            print(&json)?;
+        } else {
+            let folder = campaign.folder.display();
+            print(&format!("{summary}  report and tables in {folder}\n"))?;
+        }
+        Ok(OK)
+    }
+}

@@ -1,0 +1,174 @@
+//! The page of a campaign.
+
+use super::{Page, figures, percent};
+use crate::study::campaign::Campaign;
+use crate::study::data::Data;
+use crate::study::summary::{Correlation, Summary, short};
+use crate::study::{Kind, Study};
+
+/// Results whose sensitivity is shown.
+const SENSITIVE: [&str; 3] = ["stability_distance_m", "position_error_m", "peak_stroke_m"];
+/// Bars of a figure.
+const STRONGEST: usize = 8;
+
+pub fn page(campaign: &Campaign, data: &Data, summary: &Summary) -> Page {
+    let study = campaign.study;
+    let mut page = Page::new(&format!("Study {}", study.name));
+    let what = match study.kind {
+        Kind::Landing => {
+            "landings in a closed loop of truth and guidance, contact to rest included"
+        }
+        Kind::Touchdown => "touchdowns from a state at contact to rest, engine off",
+    };
+    page.paragraph(&format!("{} {what}.", summary.runs));
+    inputs(&mut page, study);
+    page.heading("Outcomes");
+    outcomes(&mut page, summary);
+    page.figure(figures::outcomes(&summary.groups));
+    page.heading("Results");
+    results(&mut page, summary);
+    page.figure(figures::distribution_functions(data));
+    if let Some(figure) = figures::footprint(data) {
+        page.figure(figure);
+    }
+    sensitivity(&mut page, summary);
+    page.heading("Again");
+    page.paragraph(
+        "The same bytes come from the same study file, scenario, vehicle and version, on any number of threads:",
+    );
+    page.code(&format!(
+        "lander campaign {0}.toml\nlander campaign {0}.toml --run 0 --log run.mcap     # one run alone, with its log",
+        study.name
+    ));
+    worst(&mut page, data);
+    page.paragraph(&format!(
+        "Version {}, seed {}, SHA-256 of study, scenario, vehicle and map {}.",
+        summary.version, summary.seed, summary.study_sha256
+    ));
+    page.study_file(study);
+    page
+}
+
+fn inputs(page: &mut Page, study: &Study) {
+    page.heading("What was drawn");
+    let row = |parameter: &crate::study::parameter::Parameter| {
+        let known = if parameter.known { "truth and guidance" } else { "truth" };
+        let distribution = parameter.distribution.to_string();
+        vec![parameter.key.clone(), distribution, known.to_owned()]
+    };
+    let rows: Vec<_> = study.parameters.iter().map(row).collect();
+    if rows.is_empty() {
+        page.paragraph(
+            "No parameter, but what the scenario's own disturbances draw by each run's seed.",
+        );
+    } else {
+        page.table("t", &["parameter", "distribution", "known to"], &rows);
+    }
+    let modes: Vec<_> = study
+        .failures
+        .modes
+        .iter()
+        .map(|mode| {
+            let numbers = mode.parameters.iter().map(|p| {
+                let key = p.key.rsplit('.').next().unwrap_or(&p.key);
+                format!("{key} {}", p.distribution)
+            });
+            let probability = match study.failures.forced {
+                true => "forced in turn".to_owned(),
+                false => format!("{:.3} %", 100.0 * mode.probability),
+            };
+            vec![mode.name.clone(), probability, numbers.collect::<Vec<_>>().join("; ")]
+        })
+        .collect();
+    if !modes.is_empty() {
+        page.table("t", &["failure mode", "probability a run", "its numbers"], &modes);
+    }
+}
+
+fn outcomes(page: &mut Page, summary: &Summary) {
+    let rows: Vec<_> = summary
+        .groups
+        .iter()
+        .flat_map(|group| group.outcomes.iter().map(move |share| (group, share)))
+        .map(|(group, share)| {
+            let [value, bounds] = percent([share.share, share.share_low, share.share_high]);
+            let runs = format!("{} of {}", share.runs, group.runs);
+            vec![group.failures.clone(), share.outcome.clone(), runs, value, bounds]
+        })
+        .collect();
+    page.table("", &["failures", "outcome", "runs", "share", "95 % bounds"], &rows);
+    page.paragraph(
+        "Bounds: Clopper and Pearson, two-sided. An outcome that was never met has an upper bound all the same.",
+    );
+}
+
+fn results(page: &mut Page, summary: &Summary) {
+    let rows: Vec<_> = summary
+        .results
+        .iter()
+        .map(|result| {
+            let mut cells = vec![result.result.clone(), result.measured.to_string()];
+            for share in [0.01, 0.5, 0.99] {
+                cells.push(result.at(share).map_or(String::new(), |bounded| {
+                    format!(
+                        "{} ({} to {})",
+                        short(bounded.value),
+                        short(bounded.low),
+                        short(bounded.high)
+                    )
+                }));
+            }
+            cells
+        })
+        .collect();
+    page.table("", &["result", "measured in", "1 %", "median", "99 %"], &rows);
+    page.paragraph("Quantiles by rank, in brackets their 95 % bootstrap bounds.");
+}
+
+fn sensitivity(page: &mut Page, summary: &Summary) {
+    for result in SENSITIVE {
+        let of_result: Vec<&Correlation> =
+            summary.sensitivity.iter().filter(|c| c.result == result).take(STRONGEST).collect();
+        if !of_result.is_empty() {
+            page.figure(figures::sensitivity(result, &of_result));
+        }
+    }
+    let rows: Vec<_> = summary
+        .sobol
+        .iter()
+        .filter(|index| SENSITIVE.contains(&index.result.as_str()))
+        .map(|s| {
+            let cell = |b: crate::statistics::quantile::Bounded| {
+                format!("{:.2} ({:.2} to {:.2})", b.value, b.low, b.high)
+            };
+            let (first, total) = (cell(s.index.first), cell(s.index.total));
+            vec![s.result.clone(), s.parameter.clone(), first, total]
+        })
+        .collect();
+    if !rows.is_empty() {
+        page.table("", &["result", "parameter", "Sobol' index alone", "with others"], &rows);
+    }
+}
+
+/// Runs to look at first.
+fn worst(page: &mut Page, data: &Data) {
+    let extreme = |name: &str, least: bool| {
+        let values = data.column(name)?;
+        let measured = values.iter().enumerate().filter(|(_, value)| value.is_finite());
+        let order = |a: &(usize, &f64), b: &(usize, &f64)| a.1.total_cmp(b.1);
+        let (run, value) = if least { measured.min_by(order) } else { measured.max_by(order) }?;
+        let which = if least { "least" } else { "greatest" };
+        let outcome = data.outcomes[run].clone();
+        Some(vec![format!("{which} {name}"), short(*value), run.to_string(), outcome])
+    };
+    let rows: Vec<_> = [
+        extreme("stability_distance_m", true),
+        extreme("position_error_m", false),
+        extreme("contact_speed_down_m_s", false),
+        extreme("peak_stroke_m", false),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    page.table("", &["the run with the", "value", "is run", "outcome"], &rows);
+}

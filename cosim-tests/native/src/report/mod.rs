@@ -1,0 +1,118 @@
+//! A study as one HTML page that needs nothing else: figures inside as SVG, and beside it as files with
+//! their data.
+
+pub mod campaign;
+pub mod figures;
+pub mod map;
+pub mod rare;
+
+use std::fs;
+use std::path::Path;
+
+use crate::landing::{Error, write_whole};
+use crate::study::{Study, StudyError};
+use crate::svg::escaped;
+
+/// A figure and the numbers in it.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Of its files.
+    pub name: String,
+    pub caption: String,
+    pub svg: String,
+    pub csv: String,
+}
+
+/// A page as it is written.
+pub struct Page {
+    title: String,
+    body: String,
+    figures: Vec<Figure>,
+}
+
+const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1040px;margin:2em auto;padding:0 1em;color:#222}\
+    table{border-collapse:collapse;margin:.6em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}\
+    th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th{text-align:left}\
+    pre{background:#f6f6f6;padding:.8em;overflow:auto;font-size:13px}figure{margin:1.2em 0}\
+    figcaption{color:#555;font-size:13px;max-width:760px}svg{max-width:100%;height:auto}";
+
+impl Page {
+    pub fn new(title: &str) -> Self {
+        Self { title: title.to_owned(), body: String::new(), figures: Vec::new() }
+    }
+
+    pub fn heading(&mut self, words: &str) {
+        self.body += &format!("<h2>{}</h2>\n", escaped(words));
+    }
+
+    pub fn paragraph(&mut self, words: &str) {
+        self.body += &format!("<p>{}</p>\n", escaped(words));
+    }
+
+    pub fn code(&mut self, words: &str) {
+        self.body += &format!("<pre>{}</pre>\n", escaped(words));
+    }
+
+    /// Long text behind a click.
+    pub fn folded(&mut self, title: &str, words: &str) {
+        let (title, words) = (escaped(title), escaped(words));
+        self.body += &format!("<details><summary>{title}</summary><pre>{words}</pre></details>\n");
+    }
+
+    /// `class` is `t` for a table of words, empty for one of numbers.
+    pub fn table(&mut self, class: &str, header: &[&str], rows: &[Vec<String>]) {
+        let row = |tag: &str, cells: Vec<String>| {
+            let cells: String =
+                cells.iter().map(|c| format!("<{tag}>{}</{tag}>", escaped(c))).collect();
+            format!("<tr>{cells}</tr>\n")
+        };
+        self.body += &format!("<table class=\"{class}\">\n");
+        self.body += &row("th", header.iter().map(|cell| (*cell).to_owned()).collect());
+        for cells in rows {
+            self.body += &row("td", cells.clone());
+        }
+        self.body += "</table>\n";
+    }
+
+    pub fn figure(&mut self, figure: Figure) {
+        self.body += &format!(
+            "<figure>{}<figcaption>{} Data: figures/{}.csv.</figcaption></figure>\n",
+            figure.svg,
+            escaped(&figure.caption),
+            figure.name
+        );
+        self.figures.push(figure);
+    }
+
+    /// What every study's page ends with.
+    pub fn study_file(&mut self, study: &Study) {
+        self.heading("The study file");
+        self.folded(&format!("{}.toml", study.name), &study.text);
+    }
+
+    pub fn to_html(&self) -> String {
+        let (title, body) = (escaped(&self.title), &self.body);
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
+             <style>{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n{body}</body></html>\n"
+        )
+    }
+
+    /// Writes `NAME.html` and the figures' files.
+    pub fn write(&self, folder: &Path, name: &str) -> Result<(), Error> {
+        let figures = folder.join("figures");
+        fs::create_dir_all(&figures)
+            .map_err(|source| StudyError::File { file: figures.clone(), source })?;
+        for figure in &self.figures {
+            write_whole(&figures.join(format!("{}.svg", figure.name)), &figure.svg)?;
+            write_whole(&figures.join(format!("{}.csv", figure.name)), &figure.csv)?;
+        }
+        write_whole(&folder.join(format!("{name}.html")), &self.to_html())
+    }
+}
+
+/// A share as per cent with its bounds.
+pub fn percent([share, low, high]: [f64; 3]) -> [String; 2] {
+    let [share, low, high] = [share, low, high].map(|share| 100.0 * share);
+    [format!("{share:.2} %"), format!("{low:.3} to {high:.3} %")]
+}

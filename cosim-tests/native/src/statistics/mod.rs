@@ -1,0 +1,8 @@
+//! What a sample says about the distribution it is from, and how surely.
+
+pub mod binomial;
+pub mod quantile;
+pub mod rank_correlation;
+pub mod sobol;
+pub mod spread;
+pub mod subset;

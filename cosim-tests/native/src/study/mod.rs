@@ -1,0 +1,45 @@
+//! Studies: many runs of a scenario with parameters drawn from distributions.
+//!
+//! A study file says what is run and what is drawn; `Draw` makes one run of it, `campaign` runs
+//! them all into shards, and `table` merges those.
+
+pub mod campaign;
+pub mod data;
+pub mod distribution;
+pub mod failures;
+pub mod file;
+pub mod parameter;
+pub mod rare;
+pub mod row;
+pub mod run;
+pub mod shard;
+pub mod summary;
+pub mod table;
+
+use std::path::PathBuf;
+
+use lander_models::ConfigError;
+
+pub use file::{Kind, Study};
+
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    #[error("{}: {place}: `{key}` drawn as {drawn}: {reason}", file.display())]
+    Draw { file: PathBuf, place: String, key: String, drawn: String, reason: String },
+    #[error("{}: has {runs} runs, the first is 0: there is no run {run}", file.display())]
+    NoSuchRun { file: PathBuf, run: u64, runs: u64 },
+    #[error("{}: {source}", file.display())]
+    File { file: PathBuf, source: std::io::Error },
+    #[error(
+        "{}: is of another study or version ({found}), not of this ({expected}): \
+         remove its folder or choose another with --out",
+        file.display()
+    )]
+    Foreign { file: PathBuf, found: String, expected: String },
+    #[error("{}: runs {first} to {last} have no shard yet", folder.display())]
+    Missing { folder: PathBuf, first: u64, last: u64 },
+    #[error("{}: cannot be written: {source}", file.display())]
+    Parquet { file: PathBuf, source: parquet::errors::ParquetError },
+}

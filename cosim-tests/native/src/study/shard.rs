@@ -1,0 +1,105 @@
+//! A shard: the rows of a block of runs in a file of their own. It is there whole or not at all, so a
+//! campaign that is killed, anywhere, goes on from the shards it finds.
+
+use std::collections::hash_map::RandomState;
+use std::fs::{self, File};
+use std::hash::{BuildHasher, Hasher};
+use std::io::{ErrorKind, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::StudyError;
+use super::file::Study;
+use crate::landing::hexadecimal;
+
+/// Of the rows: they may differ from one version of the software to the next.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+#[derive(Clone, Debug)]
+pub struct Shard {
+    pub runs: Range<u64>,
+    pub file: PathBuf,
+    /// Of all shards of the study: `study HASH version VERSION`.
+    origin: String,
+    /// The line with the names of the columns.
+    header: String,
+}
+
+/// The shards of all runs of a study, in order.
+pub fn all(study: &Study, header: &str, folder: &Path) -> Vec<Shard> {
+    let origin = format!("study {} version {VERSION}", study.hash);
+    (0..study.runs.div_ceil(study.shard_runs))
+        .map(|block| {
+            let first = block * study.shard_runs;
+            let runs = first..(first + study.shard_runs).min(study.runs);
+            let file = folder.join(format!("{:09}-{:09}.csv", runs.start, runs.end - 1));
+            Shard { runs, file, origin: origin.clone(), header: header.to_owned() }
+        })
+        .collect()
+}
+
+impl Shard {
+    /// The rows, a line each, if the file is there and whole.
+    ///
+    /// # Errors
+    /// A file of another study or version: that is no leftover to be written over.
+    pub fn read(&self) -> Result<Option<Vec<String>>, StudyError> {
+        let text = match fs::read_to_string(&self.file) {
+            Ok(text) => text,
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::InvalidData) => {
+                return Ok(None);
+            }
+            Err(source) => return Err(StudyError::File { file: self.file.clone(), source }),
+        };
+        let (first, rest) = text.split_once('\n').unwrap_or((&text, ""));
+        let Some((origin, digest)) = first.split_once(" rows ") else { return Ok(None) };
+        let Some(found) = origin.strip_prefix("# ") else { return Ok(None) };
+        if found != self.origin {
+            let (found, expected) = (found.to_owned(), self.origin.clone());
+            return Err(StudyError::Foreign { file: self.file.clone(), found, expected });
+        }
+        let whole =
+            rest.strip_prefix(self.header.as_str()).and_then(|rows| rows.strip_prefix('\n'));
+        let Some(rows) = whole.filter(|_| digest == sha256(rest)) else { return Ok(None) };
+        Ok(Some(rows.lines().map(str::to_owned).collect()))
+    }
+
+    /// Writes the rows under a temporary name, then gives the file its own.
+    pub fn write(&self, rows: &[String]) -> Result<(), StudyError> {
+        let mut body = self.header.clone() + "\n";
+        for row in rows {
+            body += row;
+            body.push('\n');
+        }
+        let text = format!("# {} rows {}\n{body}", self.origin, sha256(&body));
+        write_whole(&self.file, text.as_bytes())
+    }
+}
+
+fn sha256(text: &str) -> String {
+    hexadecimal(&Sha256::digest(text))
+}
+
+/// A name beside `file` that no other process has, on this machine or another.
+pub fn temporary(file: &Path) -> PathBuf {
+    let random = RandomState::new().build_hasher().finish();
+    file.with_added_extension(format!("{random:016x}.part"))
+}
+
+/// Writes a file that is there whole or not at all, also for a reader on another machine.
+pub fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), StudyError> {
+    let part = temporary(file);
+    let written = File::create(&part).and_then(|mut open| {
+        open.write_all(bytes)?;
+        // A full disk may say so only now.
+        open.sync_all()?;
+        fs::rename(&part, file)
+    });
+    written.map_err(|source| {
+        // Nothing half-written stays; what failed first is the error to tell.
+        let _ = fs::remove_file(&part);
+        StudyError::File { file: file.to_owned(), source }
+    })
+}

@@ -1,0 +1,272 @@
+//! What a study's runs come to: outcomes with their bounds.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use lander_models::Outcome;
+use serde::Serialize;
+
+use super::campaign::Campaign;
+use super::data::Data;
+use super::file::Study;
+use super::parameter::Parameter;
+use super::shard::VERSION;
+use crate::statistics::binomial;
+use crate::statistics::quantile::{Bounded, quantile};
+use crate::statistics::rank_correlation::rank_correlation;
+use crate::statistics::sobol::{Design, Index};
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    pub study: String,
+    pub study_sha256: String,
+    pub version: &'static str,
+    pub seed: u64,
+    pub runs: usize,
+    pub results: Vec<Quantiles>,
+    /// Rank correlations, the strongest of each result first.
+    pub sensitivity: Vec<Correlation>,
+    /// Sobol' indices, if the study's runs are laid out for them.
+    pub sobol: Vec<SobolIndex>,
+    /// All runs first, then those without and with each failure mode, if the study has any.
+    pub groups: Vec<Group>,
+}
+
+/// Runs that have a failure mode in common.
+#[derive(Clone, Debug, Serialize)]
+pub struct Group {
+    pub failures: String,
+    pub runs: usize,
+    pub outcomes: Vec<Share>,
+}
+
+/// A result over the runs in which it was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Quantiles {
+    pub result: String,
+    pub measured: usize,
+    pub quantiles: Vec<Quantile>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct Quantile {
+    pub share: f64,
+    #[serde(flatten)]
+    pub bounded: Bounded,
+}
+
+/// How a result moves with a drawn parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct Correlation {
+    pub result: String,
+    pub parameter: String,
+    #[serde(flatten)]
+    pub bounded: Bounded,
+}
+
+/// How much of a result's variance is a parameter's.
+#[derive(Clone, Debug, Serialize)]
+pub struct SobolIndex {
+    pub result: String,
+    pub parameter: String,
+    #[serde(flatten)]
+    pub index: Index,
+}
+
+/// Results that a touchdown is judged by.
+pub const RESULTS: [&str; 17] = [
+    "position_error_m",
+    "contact_speed_down_m_s",
+    "contact_speed_across_m_s",
+    "contact_tilt_deg",
+    "contact_rate_deg_s",
+    "rest_tilt_deg",
+    "least_hull_clearance_m",
+    "least_nozzle_clearance_m",
+    "peak_stroke_m",
+    "peak_leg_load_n",
+    "peak_acceleration_m_s2",
+    "tip_energy_margin_j",
+    "stability_distance_m",
+    "slide_distance_m",
+    "flight_time_s",
+    "propellant_used_kg",
+    LANDED,
+];
+
+/// Not a column: 1 for a run that landed, 0 for any other.
+const LANDED: &str = "landed";
+
+const SHARES: [f64; 5] = [0.01, 0.1, 0.5, 0.9, 0.99];
+
+/// How often one outcome was met.
+#[derive(Clone, Debug, Serialize)]
+pub struct Share {
+    pub outcome: String,
+    pub runs: usize,
+    pub share: f64,
+    /// Two-sided 95 % limits of its probability, Clopper and Pearson.
+    pub share_low: f64,
+    pub share_high: f64,
+}
+
+impl Summary {
+    pub fn new(campaign: &Campaign, data: &Data) -> Self {
+        let study = campaign.study;
+        let mut groups = vec![Group::new("all", data.outcomes.iter())];
+        let mut by_failure: BTreeMap<&str, Vec<&String>> = BTreeMap::new();
+        for (failures, outcome) in data.failures.iter().zip(&data.outcomes) {
+            by_failure.entry(failures).or_default().push(outcome);
+        }
+        if !study.failures.modes.is_empty() {
+            groups.extend(by_failure.into_iter().map(|(name, runs)| Group::new(name, runs)));
+        }
+        Self {
+            study: study.name.clone(),
+            study_sha256: study.hash.clone(),
+            version: VERSION,
+            seed: study.seed,
+            runs: data.outcomes.len(),
+            results: RESULTS.iter().filter_map(|name| Quantiles::new(name, data)).collect(),
+            sensitivity: correlations(study, data),
+            sobol: sobol_indices(study, data),
+            groups,
+        }
+    }
+}
+
+impl Quantiles {
+    /// `None` for what was never measured, or always the same.
+    fn new(result: &str, data: &Data) -> Option<Self> {
+        let mut sorted = data.column(result)?.to_vec();
+        sorted.retain(|value| value.is_finite());
+        sorted.sort_by(f64::total_cmp);
+        let of = |share| Quantile { share, bounded: quantile(&sorted, share) };
+        let quantiles = SHARES.map(of).to_vec();
+        // What is the same in every run tells nothing.
+        (sorted.first() != sorted.last()).then(|| Self {
+            result: result.to_owned(),
+            measured: sorted.len(),
+            quantiles,
+        })
+    }
+
+    pub fn at(&self, share: f64) -> Option<Bounded> {
+        self.quantiles.iter().find(|quantile| quantile.share == share).map(|q| q.bounded)
+    }
+}
+
+/// A result by name, also `LANDED`.
+fn result(data: &Data, name: &str) -> Option<Vec<f64>> {
+    if name == LANDED {
+        let landed = data.outcomes.iter().map(|o| f64::from(u8::from(o == Outcome::Landed.name())));
+        return Some(landed.collect());
+    }
+    data.column(name).map(<[f64]>::to_vec)
+}
+
+fn correlations(study: &Study, data: &Data) -> Vec<Correlation> {
+    let mut all = Vec::new();
+    for name in RESULTS {
+        let Some(y) = result(data, name) else { continue };
+        let of = |parameter: &Parameter| {
+            let bounded = rank_correlation(data.column(&parameter.column)?, &y)?;
+            let (result, parameter) = (name.to_owned(), parameter.column.clone());
+            Some(Correlation { result, parameter, bounded })
+        };
+        let mut found: Vec<_> = study.drawn().filter_map(of).collect();
+        found.sort_by(|a, b| b.bounded.value.abs().total_cmp(&a.bounded.value.abs()));
+        all.extend(found);
+    }
+    all
+}
+
+fn sobol_indices(study: &Study, data: &Data) -> Vec<SobolIndex> {
+    let Some(layout) = study.sobol_layout() else { return Vec::new() };
+    let mut all = Vec::new();
+    for name in RESULTS {
+        let Some(y) = result(data, name) else { continue };
+        let of_matrix = |matrix| y.iter().skip(matrix).step_by(layout.matrices).copied().collect();
+        let mixed = (0..layout.inputs.len()).map(|input| of_matrix(input + 2)).collect();
+        let design = Design { a: of_matrix(0), b: of_matrix(1), mixed };
+        for (index, input) in design.indices(study.seed).into_iter().zip(&layout.inputs) {
+            // A result that never varies has no shares of its variance.
+            if index.total.value.is_finite() {
+                let parameter = input.clone();
+                all.push(SobolIndex { result: name.to_owned(), parameter, index });
+            }
+        }
+    }
+    all
+}
+
+impl Group {
+    fn new<'a>(failures: &str, outcomes: impl IntoIterator<Item = &'a String>) -> Self {
+        let outcomes: Vec<&String> = outcomes.into_iter().collect();
+        let runs = outcomes.len();
+        let names = Outcome::ALL.map(Outcome::name).into_iter().chain(["failed"]);
+        let shares = names.map(|name| {
+            let count = outcomes.iter().filter(|outcome| outcome.as_str() == name).count();
+            let [share_low, share_high] = binomial::limits(count, runs);
+            let share = count as f64 / runs as f64;
+            Share { outcome: name.to_owned(), runs: count, share, share_low, share_high }
+        });
+        // What never happened still has an upper bound worth knowing for `tipped`.
+        let kept = shares.filter(|share| share.runs > 0 || share.outcome == Outcome::Tipped.name());
+        Self { failures: failures.to_owned(), runs, outcomes: kept.collect() }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {} runs, seed {}", self.study, self.runs, self.seed)?;
+        writeln!(
+            f,
+            "  {:<22} {:<12} {:>8} {:>9}  95 % bounds",
+            "failures", "outcome", "runs", "share %"
+        )?;
+        for group in &self.groups {
+            for share in &group.outcomes {
+                let percent = [share.share, share.share_low, share.share_high].map(|p| 100.0 * p);
+                writeln!(
+                    f,
+                    "  {:<22} {:<12} {:>8} {:>9.3}  {:.3} to {:.3}",
+                    group.failures, share.outcome, share.runs, percent[0], percent[1], percent[2]
+                )?;
+            }
+        }
+        let measured = self.results.iter().filter(|r| r.measured > 0);
+        writeln!(
+            f,
+            "  {:<26} {:>8}  {:>10} {:>23}  {:>10} {:>23}",
+            "result", "measured", "median", "95 % bounds", "99 %", "95 % bounds"
+        )?;
+        for r in measured {
+            let cells = [0.5, 0.99].map(|share| {
+                let Bounded { value, low, high } = r.at(share)?;
+                Some(format!(
+                    "{:>10} {:>23}",
+                    short(value),
+                    format!("{} to {}", short(low), short(high))
+                ))
+            });
+            let [median, high] = cells.map(Option::unwrap_or_default);
+            writeln!(f, "  {:<26} {:>8}  {median}  {high}", r.result, r.measured)?;
+        }
+        if !self.sensitivity.is_empty() {
+            writeln!(f, "  {:<26} strongest rank correlations", "result")?;
+        }
+        for group in self.sensitivity.chunk_by(|a, b| a.result == b.result) {
+            let words =
+                group.iter().take(3).map(|c| format!("{} {:+.2}", c.parameter, c.bounded.value));
+            writeln!(f, "  {:<26} {}", group[0].result, words.collect::<Vec<_>>().join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// A number to four digits.
+pub fn short(value: f64) -> String {
+    let digits = 3 - value.abs().max(1e-3).log10().floor() as i32;
+    format!("{value:.*}", digits.clamp(0, 4) as usize)
+}
