@@ -165,6 +165,7 @@ fn settings(max_iterations: u32) -> DefaultSettings<f64> {
         presolve_enable: false,
         iterative_refinement_enable: false,
         equilibrate_enable: true,
+        equilibrate_max_iter: 2,
         tol_gap_abs: TOLERANCE,
         tol_gap_rel: TOLERANCE,
         tol_feas: TOLERANCE,

@@ -112,6 +112,15 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         propulsion: Propulsion::AlwaysOn,
         ..problem.clone()
     };
+    if problem.propulsion == Propulsion::AlwaysOn && problem.thrust_min_n > 0.0 {
+        // No structure to find; the relaxed solve is the second chance.
+        let grid = Grid::new(Structure::On, problem, settings);
+        let guess = start::always_on(problem, &grid);
+        let direct = Settings { outer_max: settings.outer_max / 2, ..settings.clone() };
+        if let Ok(plan) = attempt(problem, &direct, &grid, guess, budget) {
+            return Ok(plan);
+        }
+    }
     let relaxed_settings =
         Settings { single_burn_intervals: settings.relaxed_intervals, ..settings.clone() };
     let grid = Grid::new(Structure::On, &relaxed_problem, &relaxed_settings);

@@ -314,7 +314,8 @@ impl Subproblem<'_> {
             nominal.into_iter().for_each(|row| program.nonnegative(row));
             if local.thrust_floor {
                 // (G.13): the floor on the thrust itself, along its reference direction.
-                let w_ref = reference.iterate.w_w[j].try_normalize(0.0).unwrap_or_else(Vector3::z);
+                let tilt_rad = problem.tilt_limit_rad(j, grid.len());
+                let w_ref = tilted(&reference.iterate.w_w[j], tilt_rad);
                 let mut row = Affine::new([(step, -low)], 0.0);
                 row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), w_ref[axis])));
                 program.nonnegative(row);
@@ -403,4 +404,14 @@ impl Subproblem<'_> {
         row.constant = constant_m / scale.length_m;
         row
     }
+}
+
+/// Direction of `w_w`, or the nearest one within a tilt: no thrust could meet a floor along others.
+fn tilted(w_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
+    let across_w = Vector3::new(w_w.x, w_w.y, 0.0);
+    if across_w.norm().atan2(w_w.z) <= tilt_max_rad {
+        return w_w.try_normalize(0.0).unwrap_or_else(Vector3::z);
+    }
+    let (sin, cos) = tilt_max_rad.sin_cos();
+    across_w.try_normalize(0.0).unwrap_or_else(Vector3::x) * sin + Vector3::z() * cos
 }
