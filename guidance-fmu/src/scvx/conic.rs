@@ -135,6 +135,12 @@ impl ConicSolver {
         Ok(Self { inner, order, curved })
     }
 
+    /// Whether `program` has the rows and entries that this solver was built with.
+    pub(crate) fn fits(&self, program: &Program) -> bool {
+        let rows = self.inner.data.m;
+        self.order.len() == program.entries.len() && rows == program.rhs.len()
+    }
+
     /// Solves `program`, which must have the pattern this solver was built with. Errors: as `new`.
     pub fn solve(&mut self, program: &Program) -> Result<Solution, PlanError> {
         let values: Vec<f64> = self.order.iter().map(|&k| program.entries[k].2).collect();
@@ -165,7 +171,7 @@ fn settings(max_iterations: u32) -> DefaultSettings<f64> {
         presolve_enable: false,
         iterative_refinement_enable: false,
         equilibrate_enable: true,
-        equilibrate_max_iter: 2,
+        equilibrate_max_iter: 4,
         tol_gap_abs: TOLERANCE,
         tol_gap_rel: TOLERANCE,
         tol_feas: TOLERANCE,

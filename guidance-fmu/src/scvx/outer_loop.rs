@@ -99,7 +99,7 @@ pub(super) fn iterate(
         budget.outer_iterations += 1;
         let program = subproblem.build(&reference, &local);
         let factorised = match &mut solver {
-            Some(factorised) => factorised,
+            Some(factorised) if factorised.fits(&program) => factorised,
             empty => empty.insert(ConicSolver::new(&program, settings.solver_iterations_max)?),
         };
         let solution = factorised.solve(&program)?;
@@ -152,9 +152,8 @@ pub(super) fn iterate(
             local.thrust_floor |= lossy;
             local.path_nodes.extend(added);
             local.path_nodes.sort_unstable();
-            // More rows make the merits incomparable and the factorisation useless.
+            // More rows make the merits incomparable.
             reference_merit = f64::INFINITY;
-            solver = None;
         }
     }
     Ok(Outcome { trajectory: reference, last_step, end: End::OutOfIterations })

@@ -25,9 +25,9 @@ pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
 /// thrust raised to its floor and the upward impulse to what the tilt limit makes of it (G.46).
 pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
     /// Price of upward impulse that is not wanted, against Δv: no flight can have it.
-    const UPWARD_WEIGHT: f64 = 3.0;
+    const UPWARD_WEIGHT: f64 = 2.0;
     let floor_m_s2 = problem.thrust_min_n / problem.mass_kg;
-    cheapest(problem, grid, 13, |guess| {
+    cheapest(problem, grid, 33, |guess| {
         let raised = guess.w_w.iter().map(|w| (w.norm().max(floor_m_s2 * guess.step_s[0]), w.z));
         let upward = |h: f64, w_z: f64| (problem.tilt_max_rad.cos() * h - w_z).max(0.0);
         raised.map(|(h, w_z)| h + UPWARD_WEIGHT * upward(h, w_z)).sum()

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::conic::{Affine, Program};
 use super::problem::{Problem, Terminal};
-use super::structure::Grid;
+use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
 
 /// Weight of a scaled unit of terminal or path slack against a scaled unit of Δv. The target's
@@ -312,12 +312,15 @@ impl Subproblem<'_> {
                 program.nonnegative(Affine::new([(e, 1.0)], 0.0));
             }
             nominal.into_iter().for_each(|row| program.nonnegative(row));
-            if local.thrust_floor {
+            // A flight without a coast is seldom lossless: its (G.13) has its place from the start, so that
+            // the factorisation fits throughout.
+            if local.thrust_floor || (low > 0.0 && grid.structure == Structure::On) {
                 // (G.13): the floor on the thrust itself, along its reference direction.
                 let tilt_rad = problem.tilt_limit_rad(j, grid.len());
                 let w_ref = tilted(&reference.iterate.w_w[j], tilt_rad);
-                let mut row = Affine::new([(step, -low)], 0.0);
-                row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), w_ref[axis])));
+                let [on_h, on_w] = if local.thrust_floor { [0.0, 1.0] } else { [1.0, 0.0] };
+                let mut row = Affine::new([(step, -low), (h, on_h)], 0.0);
+                row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), on_w * w_ref[axis])));
                 program.nonnegative(row);
             } else if low > 0.0 {
                 // With (G.13), or without a floor, (G.10) says as much.
