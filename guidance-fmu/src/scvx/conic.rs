@@ -26,6 +26,11 @@ impl Affine {
     pub fn new(terms: impl Into<Vec<(usize, f64)>>, constant: f64) -> Self {
         Self { terms: terms.into(), constant }
     }
+
+    /// Value at `x`.
+    pub fn at(&self, x: &[f64]) -> f64 {
+        self.terms.iter().map(|&(column, c)| c * x[column]).sum::<f64>() + self.constant
+    }
 }
 
 /// A conic program assembled row by row in the solver's form b − A x ∈ K. Serialises as the diagonal
@@ -89,6 +94,8 @@ pub struct ConicSolver {
     inner: DefaultSolver<f64>,
     /// Entry order of the program → column-major order of the solver.
     order: Vec<usize>,
+    /// Columns with an entry of P.
+    curved: Vec<usize>,
 }
 
 impl ConicSolver {
@@ -111,14 +118,11 @@ impl ConicSolver {
             order.iter().map(|&k| program.entries[k].1).collect(),
             order.iter().map(|&k| program.entries[k].2).collect(),
         );
-        let diagonal = (0..columns).collect();
-        let p = CscMatrix::new(
-            columns,
-            columns,
-            (0..=columns).collect(),
-            diagonal,
-            program.curvature.clone(),
-        );
+        // Zeros on the diagonal of P would be carried through every product and factorisation.
+        let curved: Vec<usize> = (0..columns).filter(|&i| program.curvature[i] != 0.0).collect();
+        let p_start = (0..=columns).map(|column| curved.partition_point(|&i| i < column)).collect();
+        let p_values = curved.iter().map(|&i| program.curvature[i]).collect();
+        let p = CscMatrix::new(columns, columns, p_start, curved.clone(), p_values);
         let inner = DefaultSolver::new(
             &p,
             &program.cost,
@@ -128,14 +132,20 @@ impl ConicSolver {
             settings(max_iterations),
         )
         .map_err(|e| PlanError::Solver { status: e.to_string() })?;
-        Ok(Self { inner, order })
+        Ok(Self { inner, order, curved })
+    }
+
+    /// Whether `program` has the rows and entries that this solver was built with.
+    pub(crate) fn fits(&self, program: &Program) -> bool {
+        let rows = self.inner.data.m;
+        self.order.len() == program.entries.len() && rows == program.rhs.len()
     }
 
     /// Solves `program`, which must have the pattern this solver was built with. Errors: as `new`.
     pub fn solve(&mut self, program: &Program) -> Result<Solution, PlanError> {
         let values: Vec<f64> = self.order.iter().map(|&k| program.entries[k].2).collect();
-        let updated =
-            self.inner.update_data(&program.curvature, &program.cost, &values, &program.rhs);
+        let curvature: Vec<f64> = self.curved.iter().map(|&i| program.curvature[i]).collect();
+        let updated = self.inner.update_data(&curvature, &program.cost, &values, &program.rhs);
         updated.map_err(|e| PlanError::Solver { status: e.to_string() })?;
         self.inner.solve();
         let solution = &self.inner.solution;
@@ -161,6 +171,7 @@ fn settings(max_iterations: u32) -> DefaultSettings<f64> {
         presolve_enable: false,
         iterative_refinement_enable: false,
         equilibrate_enable: true,
+        equilibrate_max_iter: 4,
         tol_gap_abs: TOLERANCE,
         tol_gap_rel: TOLERANCE,
         tol_feas: TOLERANCE,

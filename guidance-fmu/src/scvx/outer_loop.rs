@@ -8,7 +8,7 @@ use super::residuals::LastStep;
 use super::structure::Grid;
 use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
 use super::trajectory::{Iterate, Trajectory};
-use super::verify::LOSSLESS_GAP_MAX;
+use super::verify::{LOSSLESS_GAP_MAX, MISS_MAX};
 
 /// Converged position and velocity defect, m and m/s: a tenth of the millimetre and mm/s that a
 /// flight could notice.
@@ -21,6 +21,9 @@ const FUEL_CHANGE: f64 = 2e-5;
 const PATH_DEFECT_M: f64 = 1e-3;
 /// Relative merit decrease below which an accepted step is no progress.
 const STALL: f64 = 1e-6;
+/// Relative merit increase below which a rejected stiff step that misses the target is the last: a
+/// reference slightly out of its thrust bounds can't be bettered by one within them.
+const LEVEL: f64 = 1e-5;
 /// Relative trust radius on the durations: initial, cap, and factor of a rejected step.
 const TRUST_START: f64 = 0.5;
 const TRUST_CAP: f64 = 0.8;
@@ -65,6 +68,7 @@ pub(super) enum End {
 }
 
 /// Best trajectory of a loop.
+#[derive(Clone)]
 pub(super) struct Outcome {
     pub trajectory: Trajectory,
     pub last_step: LastStep,
@@ -95,14 +99,18 @@ pub(super) fn iterate(
         budget.outer_iterations += 1;
         let program = subproblem.build(&reference, &local);
         let factorised = match &mut solver {
-            Some(factorised) => factorised,
+            Some(factorised) if factorised.fits(&program) => factorised,
             empty => empty.insert(ConicSolver::new(&program, settings.solver_iterations_max)?),
         };
         let solution = factorised.solve(&program)?;
         budget.solver_iterations += solution.iterations;
         let candidate = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
 
-        let step = LastStep::new(&reference, &candidate, subproblem.terminal_slack(&solution.x));
+        let step = LastStep::new(
+            &reference,
+            &candidate,
+            subproblem.terminal_slack(&reference, &solution.x),
+        );
         let violated = candidate.path_violations(problem, PATH_DEFECT_M);
         let unwatched = violated.iter().filter(|(node, _)| !local.path_nodes.contains(node));
         let added: Vec<usize> = unwatched.map(|&(node, _)| node).collect();
@@ -132,6 +140,11 @@ pub(super) fn iterate(
                 return Ok(Outcome { trajectory: reference, last_step, end: End::Stalled });
             }
         } else {
+            let missed = reference.miss_r_w.norm().max(reference.miss_v_w.norm()) > MISS_MAX;
+            let level = candidate_merit - reference_merit <= LEVEL * reference_merit;
+            if missed && level && local.stiffness >= STIFFNESS_MAX && !more_rows {
+                return Ok(Outcome { trajectory: reference, last_step, end: End::Stalled });
+            }
             local.trust *= TRUST_CUT;
             local.stiffness = (STIFFNESS_GROWTH * local.stiffness).min(STIFFNESS_MAX);
         }
@@ -139,9 +152,8 @@ pub(super) fn iterate(
             local.thrust_floor |= lossy;
             local.path_nodes.extend(added);
             local.path_nodes.sort_unstable();
-            // More rows make the merits incomparable and the factorisation useless.
+            // More rows make the merits incomparable.
             reference_merit = f64::INFINITY;
-            solver = None;
         }
     }
     Ok(Outcome { trajectory: reference, last_step, end: End::OutOfIterations })

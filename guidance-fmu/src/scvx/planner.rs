@@ -112,22 +112,36 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         propulsion: Propulsion::AlwaysOn,
         ..problem.clone()
     };
+    if problem.propulsion == Propulsion::AlwaysOn && problem.thrust_min_n > 0.0 {
+        // No structure to find; the relaxed solve is the second chance.
+        let grid = Grid::new(Structure::On, problem, settings);
+        let guess = start::always_on(problem, &grid);
+        let direct = Settings { outer_max: settings.outer_max / 2, ..settings.clone() };
+        if let Ok(plan) = attempt(problem, &direct, &grid, guess, budget) {
+            return Ok(plan);
+        }
+    }
     let relaxed_settings =
         Settings { single_burn_intervals: settings.relaxed_intervals, ..settings.clone() };
     let grid = Grid::new(Structure::On, &relaxed_problem, &relaxed_settings);
-    let mut relax = |guess| {
-        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget)
-            .map(|outcome| outcome.trajectory)
-    };
-    let mut relaxed = relax(start::minimum_energy(problem, &grid))?;
-    if shortfall(problem, &relaxed) > verify::MISS_MAX {
+    let mut relax =
+        |guess| outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget);
+    let mut outcome = relax(start::minimum_energy(problem, &grid))?;
+    if shortfall(problem, &outcome.trajectory) > verify::MISS_MAX {
         // Short and long flights are separate valleys; the linearisation leads from neither to the other.
-        let climb = relax(start::climb(problem, &grid));
-        relaxed = match climb {
-            Ok(climb) if shortfall(problem, &climb) < shortfall(problem, &relaxed) => climb,
-            _ => relaxed,
+        let short = |outcome: &Outcome| shortfall(problem, &outcome.trajectory);
+        outcome = match relax(start::climb(problem, &grid)) {
+            Ok(climb) if short(&climb) < short(&outcome) => climb,
+            _ => outcome,
         };
     }
+    if relaxed_problem == *problem && relaxed_settings == *settings {
+        // Nothing was relaxed.
+        if let Ok(plan) = judge(problem, &grid, outcome.clone(), budget) {
+            return Ok(plan);
+        }
+    }
+    let relaxed = outcome.trajectory;
     // The relaxed switching times can hide a burn shorter than its intervals, and limits can forbid
     // the structure they show.
     let wanted = start::structure(problem, &relaxed);
@@ -159,7 +173,7 @@ fn shortfall(problem: &Problem, trajectory: &Trajectory) -> f64 {
     trajectory.miss_r_w.norm() + trajectory.miss_v_w.norm() + outside_m + impact_m_s
 }
 
-/// One loop on one grid, its report and its verdict.
+/// One loop on one grid, judged.
 fn attempt(
     problem: &Problem,
     settings: &Settings,
@@ -170,8 +184,18 @@ fn attempt(
     if budget.spent() {
         return Err(budget.exhausted());
     }
-    let Outcome { trajectory, last_step, end } =
-        outer_loop::iterate(problem, grid, start, settings, budget)?;
+    let outcome = outer_loop::iterate(problem, grid, start, settings, budget)?;
+    judge(problem, grid, outcome, budget)
+}
+
+/// The plan of a loop's outcome, its report and its verdict.
+fn judge(
+    problem: &Problem,
+    grid: &Grid,
+    outcome: Outcome,
+    budget: &Budget,
+) -> Result<Plan, PlanError> {
+    let Outcome { trajectory, last_step, end } = outcome;
     let report = Report {
         outer_iterations: budget.outer_iterations,
         solver_iterations: budget.solver_iterations,

@@ -18,19 +18,43 @@ const RELAXED_BURN_MIN_S: f64 = 0.1;
 
 /// Minimum-energy guess on a single burn (G.19), with the cheapest of a few flight times.
 pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
-    /// Flight times tried, against the larger of the ballistic and the braking time.
-    const TIME_FACTORS: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
+    cheapest(problem, grid, 7, |guess| guess.h.iter().sum())
+}
+
+/// Minimum-energy guess for an engine that never stops: the flight time that is cheapest with the
+/// thrust raised to its floor and the upward impulse to what the tilt limit makes of it (G.46).
+pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
+    /// Price of upward impulse that is not wanted, against Δv: no flight can have it.
+    const UPWARD_WEIGHT: f64 = 2.0;
+    let floor_m_s2 = problem.thrust_min_n / problem.mass_kg;
+    cheapest(problem, grid, 33, |guess| {
+        let raised = guess.w_w.iter().map(|w| (w.norm().max(floor_m_s2 * guess.step_s[0]), w.z));
+        let upward = |h: f64, w_z: f64| (problem.tilt_max_rad.cos() * h - w_z).max(0.0);
+        raised.map(|(h, w_z)| h + UPWARD_WEIGHT * upward(h, w_z)).sum()
+    })
+}
+
+/// The guess (G.19) of least `price` among `count` flight times.
+fn cheapest(
+    problem: &Problem,
+    grid: &Grid,
+    count: i32,
+    price: impl Fn(&Iterate) -> f64,
+) -> Iterate {
+    /// Flight times tried, against the larger of the ballistic and the braking time: in a geometric
+    /// sequence, half of it the shortest.
+    const SHORTEST: f64 = 0.5;
+    const LONGEST: f64 = 4.0;
     let range_m = (problem.r0_w - problem.r_f_w).norm();
     let unit_s = fall_s(problem).max((2.0 * range_m / problem.gravity_m_s2).sqrt()).max(1.0);
-    let mut best: Option<(f64, Iterate)> = None;
-    for factor in TIME_FACTORS {
-        let guess = minimum_energy_at(problem, grid, factor * unit_s);
-        let delta_v_m_s: f64 = guess.h.iter().sum();
-        if best.as_ref().is_none_or(|(least, _)| delta_v_m_s < *least) {
-            best = Some((delta_v_m_s, guess));
-        }
-    }
-    best.map_or_else(|| minimum_energy_at(problem, grid, unit_s), |(_, guess)| guess)
+    let ratio = (LONGEST / SHORTEST).powf(1.0 / f64::from(count - 1));
+    let guess = |k| minimum_energy_at(problem, grid, SHORTEST * ratio.powi(k) * unit_s);
+    let rest = (1..count).map(guess);
+    let priced = rest.fold((price(&guess(0)), guess(0)), |(least, best), guess| {
+        let found = price(&guess);
+        if found < least { (found, guess) } else { (least, best) }
+    });
+    priced.1
 }
 
 /// Time to the target's height without thrust, s.

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::conic::{Affine, Program};
 use super::problem::{Problem, Terminal};
-use super::structure::Grid;
+use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
 
 /// Weight of a scaled unit of terminal or path slack against a scaled unit of Δv. The target's
@@ -84,14 +84,18 @@ impl Columns {
         self.stride * self.burns + phase
     }
 
-    /// Positive and negative part of one of the six terminal slacks.
-    fn slack(&self, row: usize) -> [usize; 2] {
-        let first = self.stride * self.burns + self.phases + 2 * row;
-        [first, first + 1]
+    /// Price of missing the target velocity.
+    fn slack_v(&self) -> usize {
+        self.stride * self.burns + self.phases
+    }
+
+    /// Price of missing the target position.
+    fn slack_r(&self) -> usize {
+        self.slack_v() + 1
     }
 
     fn path_slack(&self) -> usize {
-        self.stride * self.burns + self.phases + 12
+        self.slack_v() + 2
     }
 
     /// Impact speed (G.44); unpriced and without rows where the velocity is met.
@@ -142,15 +146,14 @@ impl Subproblem<'_> {
             cost[columns.h(rank)] = 1.0;
             columns.reserve(rank).into_iter().for_each(|e| cost[e] = RESERVE_WEIGHT);
         }
-        cost[columns.slack(0)[0]..].fill(SLACK_WEIGHT);
+        cost[columns.slack_v()..].fill(1.0);
         cost[columns.impact()..].fill(IMPACT_WEIGHT);
         let mut program = Program::new(curvature, cost);
 
-        self.terminal_rows(&mut program, &columns, reference);
         self.thrust_rows(&mut program, &columns, reference, local);
         self.propellant_row(&mut program, &columns);
         self.trust_rows(&mut program, &columns, reference, local.trust);
-        for column in columns.slack(0)[0]..columns.len() {
+        for column in columns.slack_v()..columns.len() {
             program.nonnegative(Affine::new([(column, 1.0)], 0.0));
         }
         if let Some(z_min_m) = self.problem.path.altitude_min_m {
@@ -158,7 +161,7 @@ impl Subproblem<'_> {
             for &node in &local.path_nodes {
                 let mut row = self.position(&columns, reference, node, 2);
                 row.constant -= z_min_m / self.scale.length_m;
-                row.terms.push((columns.path_slack(), 1.0));
+                row.terms.push((columns.path_slack(), 1.0 / SLACK_WEIGHT));
                 program.nonnegative(row);
             }
         }
@@ -167,6 +170,7 @@ impl Subproblem<'_> {
                 [columns.h(rank), columns.w(rank, 0), columns.w(rank, 1), columns.w(rank, 2)];
             program.second_order(cone.map(|column| Affine::new([(column, 1.0)], 0.0))); // (G.10)
         }
+        self.terminal_cones(&mut program, &columns, reference);
         self.impact_cone(&mut program, &columns);
         self.rate_cones(&mut program, &columns, reference);
         if let Some(angle_rad) = self.problem.path.glide_slope_rad {
@@ -194,32 +198,39 @@ impl Subproblem<'_> {
         }
     }
 
-    /// Target miss that a solution leaves in its slacks, m and m/s.
-    pub fn terminal_slack(&self, x: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    /// Target miss of the linearised flight of a solution, m and m/s.
+    pub fn terminal_slack(
+        &self,
+        reference: &Trajectory,
+        x: &[f64],
+    ) -> (Vector3<f64>, Vector3<f64>) {
         let columns = Columns::new(self.problem, self.grid);
-        let net = |row| {
-            let [plus, minus] = columns.slack(row);
-            x[minus] - x[plus]
-        };
-        let r_w = Vector3::from_fn(|axis, _| net(3 + axis) * self.scale.length_m);
-        (r_w, Vector3::from_fn(|axis, _| net(axis) * self.scale.velocity_m_s))
+        let r_w = Vector3::from_fn(|axis, _| self.position_error(&columns, reference, axis).at(x));
+        let v_w = Vector3::from_fn(|axis, _| self.velocity_error(&columns, axis).at(x));
+        let r_f_w = self.problem.r_f_w + r_w * self.scale.length_m;
+        self.problem.miss(&r_f_w, &(self.problem.v_f_w + v_w * self.scale.velocity_m_s))
     }
 
-    /// Target velocity (G.8) and linearised target position (G.9), each with a slack.
-    fn terminal_rows(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
-        let (problem, scale) = (self.problem, &self.scale);
-        if problem.terminal != Terminal::SoftestImpact {
-            for axis in 0..3 {
-                let row = self.velocity_error(columns, axis);
-                program.zero(with_slack(row, columns.slack(axis)));
-            }
+    /// Target velocity (G.8) and linearised target position (G.9), each with the norm of its error priced.
+    fn terminal_cones(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
+        let price = |column| Affine::new([(column, 1.0 / SLACK_WEIGHT)], 0.0);
+        let r = |axis| self.position_error(columns, reference, axis);
+        let v = |axis| self.velocity_error(columns, axis);
+        if self.problem.terminal != Terminal::SoftestImpact {
+            program.second_order([price(columns.slack_v()), v(0), v(1), v(2)]);
         }
-        let free_axes = if problem.terminal == Terminal::Point { 0 } else { 2 };
-        for axis in free_axes..3 {
-            let mut row = self.position(columns, reference, self.grid.len(), axis);
-            row.constant -= problem.r_f_w[axis] / scale.length_m;
-            program.zero(with_slack(row, columns.slack(3 + axis)));
+        if self.problem.terminal == Terminal::Point {
+            program.second_order([price(columns.slack_r()), r(0), r(1), r(2)]);
+        } else {
+            program.second_order([price(columns.slack_r()), r(2)]);
         }
+    }
+
+    /// Scaled linearised end position less the target's (G.9).
+    fn position_error(&self, columns: &Columns, reference: &Trajectory, axis: usize) -> Affine {
+        let mut row = self.position(columns, reference, self.grid.len(), axis);
+        row.constant -= self.problem.r_f_w[axis] / self.scale.length_m;
+        row
     }
 
     /// Scaled end velocity less the target's (G.8).
@@ -301,13 +312,19 @@ impl Subproblem<'_> {
                 program.nonnegative(Affine::new([(e, 1.0)], 0.0));
             }
             nominal.into_iter().for_each(|row| program.nonnegative(row));
-            program.nonnegative(Affine::new([(h, 1.0), (step, -low)], 0.0));
-            if local.thrust_floor {
+            // A flight without a coast is seldom lossless: its (G.13) has its place from the start, so that
+            // the factorisation fits throughout.
+            if local.thrust_floor || (low > 0.0 && grid.structure == Structure::On) {
                 // (G.13): the floor on the thrust itself, along its reference direction.
-                let w_ref = reference.iterate.w_w[j].try_normalize(0.0).unwrap_or_else(Vector3::z);
-                let mut row = Affine::new([(step, -low)], 0.0);
-                row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), w_ref[axis])));
+                let tilt_rad = problem.tilt_limit_rad(j, grid.len());
+                let w_ref = tilted(&reference.iterate.w_w[j], tilt_rad);
+                let [on_h, on_w] = if local.thrust_floor { [0.0, 1.0] } else { [1.0, 0.0] };
+                let mut row = Affine::new([(step, -low), (h, on_h)], 0.0);
+                row.terms.extend((0..3).map(|axis| (columns.w(rank, axis), on_w * w_ref[axis])));
                 program.nonnegative(row);
+            } else if low > 0.0 {
+                // With (G.13), or without a floor, (G.10) says as much.
+                program.nonnegative(Affine::new([(h, 1.0), (step, -low)], 0.0));
             }
         }
     }
@@ -346,7 +363,7 @@ impl Subproblem<'_> {
         let mut height = relative(2);
         height.constant *= angle_rad.tan();
         height.terms.iter_mut().for_each(|(_, c)| *c *= angle_rad.tan());
-        height.terms.push((columns.path_slack(), 1.0));
+        height.terms.push((columns.path_slack(), 1.0 / SLACK_WEIGHT));
         [height, relative(0), relative(1)]
     }
 
@@ -392,7 +409,12 @@ impl Subproblem<'_> {
     }
 }
 
-fn with_slack(mut row: Affine, [plus, minus]: [usize; 2]) -> Affine {
-    row.terms.extend([(plus, 1.0), (minus, -1.0)]);
-    row
+/// Direction of `w_w`, or the nearest one within a tilt: no thrust could meet a floor along others.
+fn tilted(w_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
+    let across_w = Vector3::new(w_w.x, w_w.y, 0.0);
+    if across_w.norm().atan2(w_w.z) <= tilt_max_rad {
+        return w_w.try_normalize(0.0).unwrap_or_else(Vector3::z);
+    }
+    let (sin, cos) = tilt_max_rad.sin_cos();
+    across_w.try_normalize(0.0).unwrap_or_else(Vector3::x) * sin + Vector3::z() * cos
 }

@@ -1,10 +1,11 @@
 //! `cargo bench -p cosim --bench guidance [-- --json]`: how fast the planner is and how near to the
 //! optimum, beside CVXPY with Clarabel on the same problem and generated C on the same conic program.
-//! Two tables in one run, on one core.
+//! Then the planner's times over its envelope. Three tables in one run, on one core.
 
 mod cases;
 mod ours;
 mod peer;
+mod states;
 mod table;
 
 use std::error::Error;
@@ -33,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         plans.extend(peer.descents.iter().flat_map(Plan::of_peer));
         solves.extend(programs.iter().zip(&peer.programs).flat_map(Solve::of_peer));
     }
-    let mut tables = Tables { plans, solves };
+    eprintln!("planner: states of the envelope");
+    let mut tables = Tables { plans, solves, states: states::run()? };
     tables.compare();
     if json {
         println!("{}", serde_json::to_string_pretty(&tables)?);

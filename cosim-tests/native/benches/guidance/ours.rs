@@ -20,7 +20,7 @@ fn cpu_time() -> Result<Duration, nix::Error> {
 }
 
 /// Least and median time of `runs` calls, s, and the last result.
-fn timed<T>(runs: usize, mut call: impl FnMut() -> T) -> Result<([f64; 2], T), nix::Error> {
+pub fn timed<T>(runs: usize, mut call: impl FnMut() -> T) -> Result<([f64; 2], T), nix::Error> {
     let mut once = || -> Result<(f64, T), nix::Error> {
         let start = cpu_time()?;
         let result = call();

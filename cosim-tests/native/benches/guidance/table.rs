@@ -1,8 +1,9 @@
-//! Two tables: cold plans, and one conic solve.
+//! Three tables: cold plans, one conic solve, and plans over the envelope.
 
 use serde::Serialize;
 
 use crate::peer::{Cvxpy, Descent, Generated, Peer};
+use crate::states::Calls;
 
 /// A cold plan of one case by one planner.
 #[derive(Clone, Debug, Serialize)]
@@ -38,6 +39,7 @@ pub struct Solve {
 pub struct Tables {
     pub plans: Vec<Plan>,
     pub solves: Vec<Solve>,
+    pub states: Vec<Calls>,
 }
 
 impl Plan {
@@ -160,6 +162,15 @@ impl Tables {
                 solve.iterations,
                 solve.objective,
                 figure(solve.ours_times),
+            );
+        }
+        println!(
+            "\n{:<16} {:>6} {:>8} {:>9} {:>8} {:>8} {:>8}",
+            "envelope, on/off", "calls", "refused", "restarted", "p50 ms", "p99 ms", "max ms"
+        );
+        for Calls { kind, calls, refused, restarted, p50_ms, p99_ms, max_ms } in &self.states {
+            println!(
+                "{kind:<16} {calls:>6} {refused:>8} {restarted:>9} {p50_ms:>8.2} {p99_ms:>8.2} {max_ms:>8.2}"
             );
         }
         match peer {
