@@ -145,8 +145,12 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     // The relaxed switching times can hide a burn shorter than its intervals, and limits can forbid
     // the structure they show.
     let wanted = start::structure(problem, &relaxed);
+    // Without a floor nothing flies that the relaxed solve could not: one more look is enough.
+    let out_of_reach = problem.terminal != Terminal::SoftestImpact
+        && shortfall(problem, &relaxed) > verify::MISS_MAX;
+    let looks = if out_of_reach { 1 } else { usize::MAX };
     let mut refusal = None;
-    for structure in Structure::allowed(problem, wanted)? {
+    for structure in Structure::allowed(problem, wanted)?.into_iter().take(looks) {
         let (grid, start) = start::from_relaxed(problem, &relaxed, structure, settings);
         // Free fall is there when all else has failed, and takes a solve or two.
         let last_resort = &mut Budget::new(settings);
