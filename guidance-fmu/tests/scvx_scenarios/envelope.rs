@@ -1,22 +1,20 @@
 //! The stated envelope of cold starts, and an oracle of what is feasible in it.
 
 use guidance_fmu::scvx::{PathLimits, Plan, PlanError, Problem, Propulsion, Settings, solve};
+use lander_models::random::uniforms;
 use nalgebra::Vector3;
 
 use super::descent;
-use super::random::Lcg;
 
 /// Intervals of the oracle's one grid.
 const ORACLE_INTERVALS: usize = 60;
 
-/// State `index` of the envelope: within 500 m of the target on either axis, 10 to 1000 m above
+/// State `index` of the envelope, an independent draw: within 500 m of the target on either axis, 10 to 1000 m above
 /// it, at up to 30 m/s on either axis, 80 m/s down to 10 m/s up, 176 to 259.5 kg of which 174 kg
 /// are dry. To rest at the target without sinking below it.
 pub fn state(index: u64) -> Problem {
-    let mut random = Lcg(index);
-    // The first numbers of neighbouring seeds are alike.
-    (0..8).for_each(|_| _ = random.uniform());
-    let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let mut draws = uniforms(index, "envelope");
+    let mut between = |low: f64, high: f64| low + (high - low) * draws.next().unwrap();
     Problem {
         r0_w: Vector3::new(between(-500.0, 500.0), between(-500.0, 500.0), between(10.0, 1000.0)),
         v0_w: Vector3::new(between(-30.0, 30.0), between(-30.0, 30.0), between(-80.0, 10.0)),
