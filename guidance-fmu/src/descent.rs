@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::disturbance::EngineEstimate;
+use crate::faults::Capability;
 use crate::navigation::Navigation;
 
 /// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
@@ -54,6 +55,7 @@ pub fn demand(
     task: &Task,
     nav: &Navigation,
     engine: &EngineEstimate,
+    capability: &Capability,
     aim: Aim,
     braking: &mut Braking,
 ) -> Demand {
@@ -61,11 +63,13 @@ pub fn demand(
     let height_m = (nav.altimeter_m - task.cutoff_height_m).max(0.05);
     let needed_m_s2 =
         (speed_m_s.abs() * speed_m_s - task.cutoff_speed_m_s.powi(2)) / (2.0 * height_m);
-    let net_m_s2 = |thrust_n: f64| engine.scale * thrust_n / nav.mass.mass_kg - gravity_m_s2;
-    let floor_m_s2 = net_m_s2(vehicle.engine.thrust_min_n);
-    let ceiling_m_s2 = net_m_s2(vehicle.engine.thrust_max_n);
+    let net_m_s2 = |thrust_n: f64| thrust_n / nav.mass.mass_kg - gravity_m_s2;
+    let floor_m_s2 = net_m_s2(engine.scale * vehicle.engine.thrust_min_n);
+    let ceiling_m_s2 = net_m_s2(engine.ceiling_n(&vehicle.engine)).max(floor_m_s2);
     let start_m_s2 = match aim {
-        Aim::Target(_) => task.terminal_deceleration_m_s2,
+        Aim::Target(_) => {
+            capability.terminal_deceleration_m_s2(task, nav.mass.mass_kg, gravity_m_s2)
+        }
         Aim::Below => FALLBACK_SHARE * ceiling_m_s2,
     };
     braking.engine_on = if braking.engine_on {
@@ -155,21 +159,22 @@ mod tests {
         let (task, gravity) = (&scenario.guidance, scenario.gravity_m_s2);
         let aim = Aim::Target(task.target_w);
         let engine = EngineEstimate::default();
+        let capability = Capability::nominal(task, &vehicle);
         // On the planned parabola at 8 m: a = 3 m/s² is exactly what is needed.
         let height_m = 8.0 - task.cutoff_height_m;
         let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * 3.0 * height_m).sqrt();
         let mut braking = Braking { engine_on: true };
         let nav = descending(&vehicle, 8.0, speed_m_s);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, &capability, aim, &mut braking);
         let vertical = asked.thrust_acceleration_w.unwrap().z;
         assert!((vertical - gravity - 3.0).abs() < 1e-12, "{vertical} m/s²");
         // Far too slow for the height: the floor would lift it, so the engine waits.
         let nav = descending(&vehicle, 8.0, 1.0);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, &capability, aim, &mut braking);
         assert!(asked.thrust_acceleration_w.is_none() && !braking.engine_on);
         // Far too fast: full thrust, no more.
         let nav = descending(&vehicle, 2.0, 20.0);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = demand(&vehicle, gravity, task, &nav, &engine, &capability, aim, &mut braking);
         let most_m_s2 = vehicle.engine.thrust_max_n / nav.mass.mass_kg;
         assert!((asked.thrust_acceleration_w.unwrap().z - most_m_s2).abs() < 1e-9);
     }

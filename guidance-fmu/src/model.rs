@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
 use crate::disturbance::EngineEstimate;
+use crate::faults::{Evidence, Faults};
 use crate::guard;
 use crate::mission::{Context, Mission, Orders};
 use crate::navigation::{Actuation, Estimator, Inputs, Navigation, Navigator, Solution};
@@ -32,6 +33,7 @@ pub struct State {
     pub now: Ticks,
     pub mission: Mission,
     engine: EngineEstimate,
+    faults: Faults,
     commands: Commands,
     /// Present where the guidance has a navigator.
     estimator: Option<Estimator>,
@@ -84,7 +86,25 @@ impl Guidance {
         Ok(Solution { specific_force_b, ..solution })
     }
 
-    fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
+    /// Looks for failures in the last step. Whether what plans rest on has changed.
+    fn look(&self, state: &mut State, nav: &Navigation, inputs: &Inputs, duration: Ticks) -> bool {
+        if !self.task.fault_response || self.task.mode == GuidanceMode::Off {
+            return false;
+        }
+        let before = state.faults.clone();
+        let evidence = Evidence {
+            vehicle: &self.vehicle,
+            nav,
+            rcs_torque_b: state.commands.rcs_torque_b.into(),
+            samples: inputs.samples,
+            mass_told: self.navigator.is_none(),
+            duration,
+        };
+        state.faults.observe(&evidence, &mut state.engine);
+        state.faults.outdates(&before)
+    }
+
+    fn orders(&self, state: &mut State, nav: &Navigation, outdated: bool) -> Orders {
         let context = Context {
             vehicle: &self.vehicle,
             task: &self.task,
@@ -92,6 +112,8 @@ impl Guidance {
             now: state.now,
             nav,
             engine: &state.engine,
+            faults: &state.faults,
+            outdated,
         };
         state.mission.step(&context)
     }
@@ -110,9 +132,11 @@ impl Guidance {
         if let (true, Some(specific_force_b)) = (self.task.compensation, nav.specific_force_b) {
             state.engine.learn(&specific_force_b, nav.mass.mass_kg, duration);
         }
-        let orders = self.orders(state, &nav);
+        let outdated = self.look(state, &nav, &inputs, duration);
+        let orders = self.orders(state, &nav, outdated);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
-            attitude::control(&self.vehicle, &nav, &state.engine, &orders.up_w, &orders.up_rate_w)
+            let (engine, faults) = (&state.engine, &state.faults);
+            attitude::control(&self.vehicle, &nav, engine, faults, &orders.up_w, &orders.up_rate_w)
         } else {
             Torquers::default()
         };
@@ -191,6 +215,8 @@ impl Component for Guidance {
         put(&commands.up_w);
         put(&[to_go_s, propellant_kg]);
         put(&[f64::from(planning.accepted), f64::from(planning.failed)]);
+        put(&[f64::from(state.mission.goal(&state.faults) as u8)]);
+        put(&state.faults.declared().map(|declared| if declared { 1.0 } else { 0.0 }));
         let Solution { sigma, .. } = &state.solution;
         put(state.solution.position_w.as_slice());
         put(state.solution.velocity_w.as_slice());

@@ -5,6 +5,7 @@
 
 pub mod binomial;
 pub mod descents;
+pub mod failures;
 pub mod landing;
 pub mod layout;
 pub mod master;

@@ -1,0 +1,101 @@
+//! Gimbal: thrust line against the angles commanded (G.82, G.83).
+
+use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::Evidence;
+use crate::disturbance::{self, EngineEstimate};
+
+/// Deviation of the thrust line's jitter, rad, and the time from one independent value to the
+/// next, s: the paper's 0.5°, and twice the correlation time of the engine's noise.
+const JITTER_RAD: f64 = 0.00873;
+const INDEPENDENT_S: f64 = 0.1;
+/// Log likelihood ratio that declares: Wald's bound ln(1/α), α = 1e-6 a decision.
+const DECISION: f64 = 13.8;
+/// A line that moves by more than so many deviations is not seized, whatever else moves it: slosh.
+const STANDS_DEVIATIONS: f64 = 4.0;
+/// Time over which each hypothesis learns its constant, s.
+const MEMORY_S: f64 = 1.0;
+/// Of a seized line, s: it doesn't move, so the memory only has to take off jitter.
+const SEIZED_MEMORY_S: f64 = 0.3;
+/// Least force whose direction tells of the thrust line, N: half the floor.
+const FORCE_MIN_N: f64 = 400.0;
+
+/// Two hypotheses: the line follows the commands with a constant error, or it doesn't move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GimbalWatch {
+    /// Error of a line that follows.
+    error_rad: Vector2<f64>,
+    /// Angles of a line that doesn't.
+    line_rad: Vector2<f64>,
+    seen_s: f64,
+    /// Page's cumulative sum of the log likelihood ratio.
+    evidence: f64,
+    seized: bool,
+}
+
+impl GimbalWatch {
+    /// Angles of the thrust line once the gimbal is declared seized.
+    pub fn seized(&self) -> Option<Vector2<f64>> {
+        self.seized.then_some(self.line_rad)
+    }
+
+    /// Whether the line may have stopped following.
+    pub fn doubtful(&self) -> bool {
+        self.evidence > 1.0
+    }
+
+    pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
+        let Some(force_b) = evidence.nav.specific_force_b else { return };
+        let force_b = force_b * evidence.nav.mass.mass_kg;
+        // A force that is the engine's, in a thrust that has settled.
+        let judged = engine.steady_n(0.0).is_some_and(|nominal_n| {
+            force_b.norm() > FORCE_MIN_N && force_b.norm() > 0.5 * engine.scale * nominal_n
+        });
+        if !judged {
+            (self.seen_s, self.evidence) = (0.0, 0.0);
+            return;
+        }
+        let expected_rad = engine.gimbal_mean_rad();
+        let step_s = evidence.duration.seconds();
+        let line_rad = disturbance::line_rad(&force_b);
+        self.seen_s += step_s;
+        let gain = |memory_s: f64| step_s / self.seen_s.min(memory_s).max(step_s);
+        if self.seized {
+            self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);
+        } else {
+            let follows = line_rad - expected_rad - self.error_rad;
+            let stands = line_rad - self.line_rad;
+            let ratio =
+                (follows.norm_squared() - stands.norm_squared()) / (2.0 * JITTER_RAD * JITTER_RAD);
+            if stands.norm() > STANDS_DEVIATIONS * JITTER_RAD {
+                self.evidence = 0.0;
+            } else if self.seen_s > INDEPENDENT_S {
+                self.evidence = (self.evidence + ratio * step_s / INDEPENDENT_S).max(0.0);
+            }
+            self.error_rad += follows * gain(MEMORY_S);
+            self.line_rad += stands * gain(MEMORY_S);
+            self.seized = self.evidence > DECISION;
+            if self.seized {
+                self.line_rad = line_rad;
+                self.seen_s = step_s;
+            }
+        }
+        if self.seized {
+            engine.limited(balanced_n(evidence, &self.line_rad));
+        }
+    }
+}
+
+/// Share of the thrusters' torque that may go into balancing a thrust line that is off.
+const BALANCE_SHARE: f64 = 0.7;
+
+/// Thrust whose torque along a line the thrusters can balance, N.
+fn balanced_n(evidence: &Evidence, line_rad: &Vector2<f64>) -> f64 {
+    let Evidence { vehicle, nav, .. } = evidence;
+    let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
+    let lever_b: Vector3<f64> = arm_b.cross(&disturbance::line_b(line_rad));
+    let most_b = vehicle.rcs.torque_max_b * BALANCE_SHARE;
+    let along = |axis: usize| most_b[axis] / lever_b[axis].abs().max(f64::MIN_POSITIVE);
+    along(0).min(along(1))
+}

@@ -1,0 +1,156 @@
+//! Failures as guidance sees them: what it commands against what it measures, and nothing of the
+//! truth. Each watch declares one failure by its own test (G.80 to G.86); the laws ask what is
+//! declared and what is left.
+
+mod engine;
+mod gimbal;
+mod propellant;
+mod sensors;
+mod thrusters;
+
+use lander_models::Ticks;
+use lander_models::scenario::{Guidance as Task, PerSensor};
+use lander_models::signals::FAULT_SLOTS;
+use lander_models::vehicle::Vehicle;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::disturbance::EngineEstimate;
+use crate::navigation::Navigation;
+use crate::scvx::Terminal;
+
+pub use engine::EngineWatch;
+pub use gimbal::GimbalWatch;
+pub use propellant::PropellantWatch;
+pub use sensors::SensorWatch;
+pub use thrusters::{StuckPair, ThrusterWatch};
+
+/// What the last step showed, and what had been asked of it.
+pub struct Evidence<'a> {
+    pub vehicle: &'a Vehicle,
+    pub nav: &'a Navigation,
+    /// Asked of the thrusters through the step.
+    pub rcs_torque_b: Vector3<f64>,
+    /// Of sensors, that arrived so far.
+    pub samples: PerSensor<f64>,
+    /// Whether the mass is measured, not reckoned by nominal flow.
+    pub mass_told: bool,
+    pub duration: Ticks,
+}
+
+/// What has been declared, and the memory of the tests.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Faults {
+    pub engine: EngineWatch,
+    pub gimbal: GimbalWatch,
+    pub thrusters: ThrusterWatch,
+    pub propellant: PropellantWatch,
+    pub sensors: SensorWatch,
+    /// Guidance has started anew in flight, without memory.
+    pub restarted: bool,
+}
+
+impl Faults {
+    /// Looks at the last step, and tells the engine's estimate what was declared.
+    pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
+        self.sensors.observe(evidence);
+        self.engine.observe(evidence, engine);
+        self.gimbal.observe(evidence, engine);
+        let doubtful = self.engine.out() || self.gimbal.doubtful();
+        self.thrusters.observe(evidence, engine, doubtful);
+        self.propellant.observe(evidence);
+    }
+
+    /// In the order of the signal `fault_declared`.
+    pub fn declared(&self) -> [bool; FAULT_SLOTS] {
+        [
+            self.engine.out(),
+            self.engine.weak(),
+            self.gimbal.seized().is_some(),
+            self.thrusters.stuck.is_some(),
+            self.propellant.leaking(),
+            self.sensors.any_silent(),
+            self.restarted,
+        ]
+    }
+
+    /// Whether what plans rest on differs from `before`, so that the last one can't be flown.
+    pub fn outdates(&self, before: &Self) -> bool {
+        let basis = |faults: &Self| {
+            (faults.engine.out(), faults.engine.weak(), faults.gimbal.seized().is_some())
+        };
+        basis(self) != basis(before)
+    }
+
+    /// What plans may count on.
+    pub fn capability(
+        &self,
+        task: &Task,
+        vehicle: &Vehicle,
+        engine: &EngineEstimate,
+    ) -> Capability {
+        let nominal = Capability::nominal(task, vehicle);
+        let loss_kg_s = if self.propellant.leaking() { self.propellant.loss_kg_s() } else { 0.0 };
+        if !self.engine.weak() && self.gimbal.seized().is_none() {
+            return Capability { loss_kg_s, ..nominal };
+        }
+        // (G.87)
+        let floor_n = task.plan_thrust_min_n * engine.scale.min(1.0);
+        let ceiling_n = engine.ceiling_n(&vehicle.engine).max(floor_n);
+        let planned_n = (PLANNED_SHARE * ceiling_n).max(floor_n);
+        Capability {
+            plan_thrust_min_n: floor_n,
+            plan_thrust_max_n: planned_n.min(task.plan_thrust_max_n),
+            thrust_max_n: ceiling_n,
+            loss_kg_s,
+        }
+    }
+}
+
+/// Share of what is left of the engine that plans use once something has failed: the rest is
+/// tracking's.
+const PLANNED_SHARE: f64 = 0.8;
+
+/// What plans may count on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capability {
+    pub plan_thrust_min_n: f64,
+    pub plan_thrust_max_n: f64,
+    /// That can be delivered at all, N.
+    pub thrust_max_n: f64,
+    /// Propellant lost without thrust, kg/s.
+    pub loss_kg_s: f64,
+}
+
+impl Capability {
+    pub fn nominal(task: &Task, vehicle: &Vehicle) -> Self {
+        Self {
+            plan_thrust_min_n: task.plan_thrust_min_n,
+            plan_thrust_max_n: task.plan_thrust_max_n,
+            thrust_max_n: vehicle.engine.thrust_max_n,
+            loss_kg_s: 0.0,
+        }
+    }
+
+    /// Ceiling of a plan, N: all that is left where nothing can be kept for later.
+    pub fn ceiling_n(&self, terminal: Terminal) -> f64 {
+        let leaks = self.loss_kg_s > 0.0;
+        match terminal {
+            Terminal::Point => self.plan_thrust_max_n,
+            Terminal::Anywhere if leaks => PLANNED_SHARE * self.thrust_max_n,
+            Terminal::Anywhere => self.plan_thrust_max_n,
+            Terminal::SoftestImpact => self.thrust_max_n.max(self.plan_thrust_max_n),
+        }
+    }
+
+    /// Deceleration of the terminal law: the task's, or what is left, with a share for control.
+    pub fn terminal_deceleration_m_s2(&self, task: &Task, mass_kg: f64, gravity_m_s2: f64) -> f64 {
+        let net_m_s2 = self.thrust_max_n / mass_kg - gravity_m_s2;
+        task.terminal_deceleration_m_s2.min((TERMINAL_SHARE * net_m_s2).max(LEAST_M_S2))
+    }
+}
+
+/// Of the net deceleration left, that the terminal descent is planned with.
+const TERMINAL_SHARE: f64 = 0.6;
+/// A planned deceleration is never nought: its gate would have no speed.
+const LEAST_M_S2: f64 = 0.1;
