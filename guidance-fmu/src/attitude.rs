@@ -109,8 +109,8 @@ fn allocate(
     let mut left_b = *torque_b;
     let mut gimbal_rad = Vector2::zeros();
     if let Some(line_rad) = faults.gimbal.seized() {
-        // Held where it is, should it be free after all; thrusters balance its line (G.88).
-        gimbal_rad = line_rad - engine.pointing_rad;
+        // Centred, should it be free after all; thrusters balance the line that there is (G.88).
+        gimbal_rad = disturbance::line_rad(&-arm_b) - engine.pointing_rad;
         left_b -= arm_b.cross(&(disturbance::line_b(&line_rad) * thrust_n));
     } else if thrust_n > GIMBAL_THRUST_MIN_N {
         let lever_nm = arm_b.z * thrust_n;

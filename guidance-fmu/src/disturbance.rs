@@ -197,9 +197,9 @@ impl EngineEstimate {
         self.scale = share.max(WEAK_SCALE_MIN);
     }
 
-    /// No more than this may be delivered.
-    pub fn limited(&mut self, thrust_n: f64) {
-        self.limit_n = Some(thrust_n);
+    /// No more than this may be delivered, if anything limits it.
+    pub fn limited(&mut self, thrust_n: Option<f64>) {
+        self.limit_n = thrust_n;
     }
 }
 

@@ -180,6 +180,19 @@ impl Mission {
     }
 
     fn begin(&mut self, context: &Context) {
+        let Context { task, nav, faults, .. } = *context;
+        if faults.restarted && task.fault_response {
+            if nav.any_foot_down {
+                self.phase = Phase::CutOff;
+                return;
+            }
+            // Below the gate there is nothing left to plan.
+            if task.terminal_law && nav.altimeter_m <= task.gate_height_m {
+                self.phase = Phase::Terminal;
+                self.braking.engine_on = true;
+                return;
+            }
+        }
         self.planning.first(&context.situation());
         self.phase = if self.planning.flown.is_some() { Phase::Coast } else { Phase::FallBack };
     }

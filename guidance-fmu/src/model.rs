@@ -67,6 +67,12 @@ impl Guidance {
         State { estimator: self.navigator.as_ref().map(Navigator::start), ..State::default() }
     }
 
+    /// What a restart finds in memory that outlives it: the time and the filter's state.
+    fn restarted(&self, state: &State) -> State {
+        let faults = Faults::after_restart();
+        State { now: state.now, estimator: state.estimator.clone(), faults, ..State::default() }
+    }
+
     /// What to take for true now.
     fn navigate(&self, state: &mut State, inputs: &Inputs) -> Result<Solution, ModelError> {
         let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) else {
@@ -126,6 +132,11 @@ impl Guidance {
     ) -> Result<StepReport, ModelError> {
         guard::check(inputs)?;
         let inputs = Inputs::read(inputs);
+        if !inputs.computer_up {
+            let now = state.now + duration;
+            *state = State { now, ..self.restarted(state) };
+            return Ok(StepReport::default());
+        }
         state.solution = self.navigate(state, &inputs)?;
         let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);
         let phase = state.mission.phase;

@@ -140,6 +140,11 @@ pub const ALTIMETER_M: Signal =
 pub const FOOT_CONTACT: Signal =
     vector("foot_contact", FOOT_SLOTS, "1", "Leg probe: 1 while the footpad touches the ground");
 
+pub const COMPUTER_UP: Signal = Signal {
+    start: 1.0,
+    ..scalar("computer_up", "1", "1; 0 while the computer restarts and no command gets through")
+};
+
 // Raw readings, for a navigation filter.
 pub const IMU_SPECIFIC_FORCE_B: Signal = vector(
     "imu_specific_force_b",
@@ -322,6 +327,7 @@ pub const TRUTH: Interface = Interface {
         LANDMARK_POSITION_W,
         SENSOR_VALID,
         SENSOR_SAMPLES,
+        COMPUTER_UP,
     ],
 };
 
@@ -346,6 +352,7 @@ pub const GUIDANCE: Interface = Interface {
         LANDMARK_POSITION_W,
         SENSOR_VALID,
         SENSOR_SAMPLES,
+        COMPUTER_UP,
     ],
     outputs: &[
         THRUST_COMMAND_N,

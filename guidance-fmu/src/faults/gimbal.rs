@@ -12,12 +12,15 @@ const JITTER_RAD: f64 = 0.00873;
 const INDEPENDENT_S: f64 = 0.1;
 /// Log likelihood ratio that declares: Wald's bound ln(1/α), α = 1e-6 a decision.
 const DECISION: f64 = 13.8;
-/// A line that moves by more than so many deviations is not seized, whatever else moves it: slosh.
-const STANDS_DEVIATIONS: f64 = 4.0;
+/// A line that is off from where it should be by less than so many deviations is no matter; one
+/// that moves by more is not seized, whatever else moves it: slosh.
+const DEVIATIONS: f64 = 4.0;
+/// For so long a line has to stand, s, before plans are made for it.
+const PROOF_S: f64 = 0.3;
 /// Time over which each hypothesis learns its constant, s.
 const MEMORY_S: f64 = 1.0;
-/// Of a seized line, s: it doesn't move, so the memory only has to take off jitter.
-const SEIZED_MEMORY_S: f64 = 0.3;
+/// Of a seized line, s: three correlation times of the jitter.
+const SEIZED_MEMORY_S: f64 = 0.15;
 /// Least force whose direction tells of the thrust line, N: half the floor.
 const FORCE_MIN_N: f64 = 400.0;
 
@@ -31,18 +34,31 @@ pub struct GimbalWatch {
     seen_s: f64,
     /// Page's cumulative sum of the log likelihood ratio.
     evidence: f64,
-    seized: bool,
+    seized: Option<Seizure>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Seizure {
+    /// Angles of the line at the declaration.
+    held_rad: Vector2<f64>,
+    /// For how long it has stood since, s of thrust.
+    stood_s: f64,
 }
 
 impl GimbalWatch {
     /// Angles of the thrust line once the gimbal is declared seized.
     pub fn seized(&self) -> Option<Vector2<f64>> {
-        self.seized.then_some(self.line_rad)
+        self.seized.map(|_| self.line_rad)
+    }
+
+    /// Whether the line has stood for long enough to plan for it.
+    pub fn proven(&self) -> bool {
+        self.seized.is_some_and(|seizure| seizure.stood_s > PROOF_S)
     }
 
     /// Whether the line may have stopped following.
     pub fn doubtful(&self) -> bool {
-        self.evidence > 1.0
+        self.evidence > 1.0 || self.seized.is_some()
     }
 
     pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
@@ -61,28 +77,35 @@ impl GimbalWatch {
         let line_rad = disturbance::line_rad(&force_b);
         self.seen_s += step_s;
         let gain = |memory_s: f64| step_s / self.seen_s.min(memory_s).max(step_s);
-        if self.seized {
+        if let Some(seizure) = &mut self.seized {
+            seizure.stood_s += step_s;
             self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);
-        } else {
-            let follows = line_rad - expected_rad - self.error_rad;
-            let stands = line_rad - self.line_rad;
-            let ratio =
-                (follows.norm_squared() - stands.norm_squared()) / (2.0 * JITTER_RAD * JITTER_RAD);
-            if stands.norm() > STANDS_DEVIATIONS * JITTER_RAD {
-                self.evidence = 0.0;
-            } else if self.seen_s > INDEPENDENT_S {
-                self.evidence = (self.evidence + ratio * step_s / INDEPENDENT_S).max(0.0);
+            if (self.line_rad - seizure.held_rad).norm() > DEVIATIONS * JITTER_RAD {
+                // Centred meanwhile (G.88), it moved: it was something else.
+                *self = Self::default();
+                engine.limited(None);
+                return;
             }
-            self.error_rad += follows * gain(MEMORY_S);
-            self.line_rad += stands * gain(MEMORY_S);
-            self.seized = self.evidence > DECISION;
-            if self.seized {
-                self.line_rad = line_rad;
-                self.seen_s = step_s;
-            }
+            engine.limited(Some(balanced_n(evidence, &self.line_rad)));
+            return;
         }
-        if self.seized {
-            engine.limited(balanced_n(evidence, &self.line_rad));
+        let follows = line_rad - expected_rad - self.error_rad;
+        let stands = line_rad - self.line_rad;
+        let ratio =
+            (follows.norm_squared() - stands.norm_squared()) / (2.0 * JITTER_RAD * JITTER_RAD);
+        if stands.norm() > DEVIATIONS * JITTER_RAD {
+            self.evidence = 0.0;
+        } else if follows.norm() > DEVIATIONS * JITTER_RAD && self.seen_s > INDEPENDENT_S {
+            self.evidence += ratio * step_s / INDEPENDENT_S;
+        } else {
+            self.evidence = (self.evidence - step_s / INDEPENDENT_S).max(0.0);
+        }
+        self.error_rad += follows * gain(MEMORY_S);
+        self.line_rad += stands * gain(MEMORY_S);
+        if self.evidence > DECISION {
+            self.line_rad = line_rad;
+            self.seen_s = step_s;
+            self.seized = Some(Seizure { held_rad: line_rad, stood_s: 0.0 });
         }
     }
 }

@@ -51,6 +51,11 @@ pub struct Faults {
 }
 
 impl Faults {
+    /// Of a guidance that starts anew in flight.
+    pub fn after_restart() -> Self {
+        Self { restarted: true, ..Self::default() }
+    }
+
     /// Looks at the last step, and tells the engine's estimate what was declared.
     pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
         self.sensors.observe(evidence);
@@ -76,9 +81,8 @@ impl Faults {
 
     /// Whether what plans rest on differs from `before`, so that the last one can't be flown.
     pub fn outdates(&self, before: &Self) -> bool {
-        let basis = |faults: &Self| {
-            (faults.engine.out(), faults.engine.weak(), faults.gimbal.seized().is_some())
-        };
+        let basis =
+            |faults: &Self| (faults.engine.out(), faults.engine.weak(), faults.gimbal.proven());
         basis(self) != basis(before)
     }
 
@@ -91,7 +95,7 @@ impl Faults {
     ) -> Capability {
         let nominal = Capability::nominal(task, vehicle);
         let loss_kg_s = if self.propellant.leaking() { self.propellant.loss_kg_s() } else { 0.0 };
-        if !self.engine.weak() && self.gimbal.seized().is_none() {
+        if !self.engine.weak() && !self.gimbal.proven() {
             return Capability { loss_kg_s, ..nominal };
         }
         // (G.87)
@@ -103,6 +107,7 @@ impl Faults {
             plan_thrust_max_n: planned_n.min(task.plan_thrust_max_n),
             thrust_max_n: ceiling_n,
             loss_kg_s,
+            degraded: true,
         }
     }
 }
@@ -120,6 +125,8 @@ pub struct Capability {
     pub thrust_max_n: f64,
     /// Propellant lost without thrust, kg/s.
     pub loss_kg_s: f64,
+    /// Less than the vehicle's own.
+    pub degraded: bool,
 }
 
 impl Capability {
@@ -129,17 +136,16 @@ impl Capability {
             plan_thrust_max_n: task.plan_thrust_max_n,
             thrust_max_n: vehicle.engine.thrust_max_n,
             loss_kg_s: 0.0,
+            degraded: false,
         }
     }
 
     /// Ceiling of a plan, N: all that is left where nothing can be kept for later.
     pub fn ceiling_n(&self, terminal: Terminal) -> f64 {
-        let leaks = self.loss_kg_s > 0.0;
         match terminal {
-            Terminal::Point => self.plan_thrust_max_n,
-            Terminal::Anywhere if leaks => PLANNED_SHARE * self.thrust_max_n,
-            Terminal::Anywhere => self.plan_thrust_max_n,
-            Terminal::SoftestImpact => self.thrust_max_n.max(self.plan_thrust_max_n),
+            Terminal::Anywhere if self.loss_kg_s > 0.0 => PLANNED_SHARE * self.thrust_max_n,
+            Terminal::SoftestImpact if self.degraded => self.thrust_max_n,
+            _ => self.plan_thrust_max_n,
         }
     }
 
