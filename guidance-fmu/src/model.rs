@@ -76,7 +76,12 @@ impl Guidance {
     /// What to take for true now.
     fn navigate(&self, state: &mut State, inputs: &Inputs) -> Result<Solution, ModelError> {
         let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) else {
-            return Solution::perfect(inputs);
+            let mut solution = Solution::perfect(inputs)?;
+            if state.faults.sensors.altimeter_silent() {
+                // Over the target's level: all that is known of the ground.
+                solution.height_m = solution.position_w.z - self.task.target_w.z;
+            }
+            return Ok(solution);
         };
         let Commands { gimbal_rad, rcs_torque_b, .. } = state.commands;
         let actuation = Actuation {
@@ -103,7 +108,7 @@ impl Guidance {
             nav,
             rcs_torque_b: state.commands.rcs_torque_b.into(),
             samples: inputs.samples,
-            mass_told: self.navigator.is_none(),
+            perfect: self.navigator.is_none(),
             duration,
         };
         state.faults.observe(&evidence, &mut state.engine);

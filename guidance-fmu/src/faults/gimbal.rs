@@ -4,6 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::Evidence;
+use crate::attitude::GIMBAL_THRUST_MIN_N;
 use crate::disturbance::{self, EngineEstimate};
 
 /// Deviation of the thrust line's jitter, rad, and the time from one independent value to the
@@ -21,8 +22,8 @@ const PROOF_S: f64 = 0.3;
 const MEMORY_S: f64 = 1.0;
 /// Of a seized line, s: three correlation times of the jitter.
 const SEIZED_MEMORY_S: f64 = 0.15;
-/// Least force whose direction tells of the thrust line, N: half the floor.
-const FORCE_MIN_N: f64 = 400.0;
+/// Acceleration noise that a force's direction suffers from, m/s²: the paper's, each axis.
+const NOISE_M_S2: f64 = 0.05;
 
 /// Two hypotheses: the line follows the commands with a constant error, or it doesn't move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -39,7 +40,7 @@ pub struct GimbalWatch {
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Seizure {
-    /// Angles of the line at the declaration.
+    /// Angles of the line when that had been proven.
     held_rad: Vector2<f64>,
     /// For how long it has stood since, s of thrust.
     stood_s: f64,
@@ -62,11 +63,11 @@ impl GimbalWatch {
     }
 
     pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
-        let Some(force_b) = evidence.nav.specific_force_b else { return };
-        let force_b = force_b * evidence.nav.mass.mass_kg;
+        let Some(specific_force_b) = evidence.nav.specific_force_b else { return };
+        let force_b = specific_force_b * evidence.nav.mass.mass_kg;
         // A force that is the engine's, in a thrust that has settled.
         let judged = engine.steady_n(0.0).is_some_and(|nominal_n| {
-            force_b.norm() > FORCE_MIN_N && force_b.norm() > 0.5 * engine.scale * nominal_n
+            force_b.norm() > GIMBAL_THRUST_MIN_N && force_b.norm() > 0.5 * engine.scale * nominal_n
         });
         if !judged {
             (self.seen_s, self.evidence) = (0.0, 0.0);
@@ -77,10 +78,15 @@ impl GimbalWatch {
         let line_rad = disturbance::line_rad(&force_b);
         self.seen_s += step_s;
         let gain = |memory_s: f64| step_s / self.seen_s.min(memory_s).max(step_s);
+        let sigma_rad = JITTER_RAD.hypot(NOISE_M_S2 / specific_force_b.norm());
+        let most_rad = DEVIATIONS * sigma_rad;
         if let Some(seizure) = &mut self.seized {
-            seizure.stood_s += step_s;
             self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);
-            if (self.line_rad - seizure.held_rad).norm() > DEVIATIONS * JITTER_RAD {
+            if seizure.stood_s <= PROOF_S {
+                seizure.held_rad = self.line_rad;
+            }
+            seizure.stood_s += step_s;
+            if self.seen_s > PROOF_S && (self.line_rad - seizure.held_rad).norm() > most_rad {
                 // Centred meanwhile (G.88), it moved: it was something else.
                 *self = Self::default();
                 engine.limited(None);
@@ -92,10 +98,10 @@ impl GimbalWatch {
         let follows = line_rad - expected_rad - self.error_rad;
         let stands = line_rad - self.line_rad;
         let ratio =
-            (follows.norm_squared() - stands.norm_squared()) / (2.0 * JITTER_RAD * JITTER_RAD);
-        if stands.norm() > DEVIATIONS * JITTER_RAD {
+            (follows.norm_squared() - stands.norm_squared()) / (2.0 * sigma_rad * sigma_rad);
+        if stands.norm() > most_rad {
             self.evidence = 0.0;
-        } else if follows.norm() > DEVIATIONS * JITTER_RAD && self.seen_s > INDEPENDENT_S {
+        } else if follows.norm() > most_rad && self.seen_s > INDEPENDENT_S {
             self.evidence += ratio * step_s / INDEPENDENT_S;
         } else {
             self.evidence = (self.evidence - step_s / INDEPENDENT_S).max(0.0);

@@ -33,9 +33,17 @@ pub struct Evidence<'a> {
     pub rcs_torque_b: Vector3<f64>,
     /// Of sensors, that arrived so far.
     pub samples: PerSensor<f64>,
-    /// Whether the mass is measured, not reckoned by nominal flow.
-    pub mass_told: bool,
+    /// Navigation is perfect: force is the centre of mass's, mass is measured.
+    pub perfect: bool,
     pub duration: Ticks,
+}
+
+impl Evidence<'_> {
+    /// Where specific force is measured, from the centre of mass.
+    fn force_point_b(&self, nav: &Navigation) -> Vector3<f64> {
+        let imu = self.vehicle.sensors.as_ref().filter(|_| !self.perfect).map(|s| &s.imu);
+        imu.map_or(Vector3::zeros(), |imu| imu.mount_b - nav.mass.com_b)
+    }
 }
 
 /// What has been declared, and the memory of the tests.

@@ -32,7 +32,7 @@ impl PropellantWatch {
 
     pub fn observe(&mut self, evidence: &Evidence) {
         let Evidence { vehicle, nav, rcs_torque_b, duration, .. } = evidence;
-        if !evidence.mass_told {
+        if !evidence.perfect {
             return;
         }
         let mass_kg = nav.mass.mass_kg;

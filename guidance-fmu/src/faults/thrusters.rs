@@ -44,9 +44,10 @@ impl ThrusterWatch {
         let Evidence { vehicle, nav, rcs_torque_b, duration, .. } = evidence;
         let before_b = self.rate_b.replace(nav.rate_b);
         let expected_b = engine.force_mean_b();
-        let sure = nav.specific_force_b.is_some_and(|force_b| {
-            let (force_n, expected_n) = (force_b.norm() * nav.mass.mass_kg, expected_b.norm());
-            (force_n - expected_n).abs() < FORCE_SHARE * expected_n + FORCE_N
+        let measured_b = nav.specific_force_b.map(|force_b| force_b * nav.mass.mass_kg);
+        let sure = measured_b.is_some_and(|measured_b| {
+            let (measured_n, expected_n) = (measured_b.norm(), expected_b.norm());
+            (measured_n - expected_n).abs() < FORCE_SHARE * expected_n + FORCE_N
         });
         let (Some(before_b), true) = (before_b, sure && !doubtful && !nav.any_foot_down) else {
             self.excess = Default::default();
@@ -56,10 +57,13 @@ impl ThrusterWatch {
         let middle_b = (before_b + nav.rate_b) * 0.5;
         let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
         // (G.84)
-        let mut left_b = nav.mass.inertia_b * (nav.rate_b - before_b) / step_s
-            + middle_b.cross(&(nav.mass.inertia_b * middle_b))
-            - arm_b.cross(&expected_b)
-            - rcs_torque_b;
+        let turn_b = (nav.rate_b - before_b) / step_s;
+        let felt_b = nav.mass.inertia_b * turn_b + middle_b.cross(&(nav.mass.inertia_b * middle_b));
+        let by_command_b = felt_b - rcs_torque_b - arm_b.cross(&expected_b);
+        let lever_b = turn_b.cross(&evidence.force_point_b(nav)) * nav.mass.mass_kg;
+        let by_force_b =
+            felt_b - rcs_torque_b - arm_b.cross(&(measured_b.unwrap_or(expected_b) - lever_b));
+        let mut left_b = by_command_b.zip_map(&by_force_b, lesser);
         let most_b = vehicle.rcs.torque_max_b;
         if let Some(StuckPair { axis, sign }) = self.stuck {
             left_b[axis] -= sign * most_b[axis];
@@ -80,5 +84,17 @@ impl ThrusterWatch {
                 }
             }
         }
+    }
+}
+
+/// What two measures of one torque agree on: slosh spoils the one by force, a gimbal that doesn't
+/// follow the one by command.
+fn lesser(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
     }
 }
