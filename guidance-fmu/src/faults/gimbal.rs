@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::Evidence;
+use super::{Evidence, Felt, lesser};
 use crate::attitude::GIMBAL_THRUST_MIN_N;
 use crate::disturbance::{self, EngineEstimate};
 
@@ -20,6 +20,8 @@ const DEVIATIONS: f64 = 4.0;
 const PROOF_S: f64 = 0.3;
 /// Time over which each hypothesis learns its constant, s.
 const MEMORY_S: f64 = 1.0;
+/// Over which torque is averaged, s: five shortest pulses of the thrusters.
+const TORQUE_MEMORY_S: f64 = 0.1;
 /// Of a seized line, s: three correlation times of the jitter.
 const SEIZED_MEMORY_S: f64 = 0.15;
 /// Acceleration noise that a force's direction suffers from, m/s²: the paper's, each axis.
@@ -30,6 +32,8 @@ const NOISE_M_S2: f64 = 0.05;
 pub struct GimbalWatch {
     /// Error of a line that follows.
     error_rad: Vector2<f64>,
+    /// The same by the torque felt, smoothed.
+    by_torque_rad: Vector2<f64>,
     /// Angles of a line that doesn't.
     line_rad: Vector2<f64>,
     seen_s: f64,
@@ -62,9 +66,8 @@ impl GimbalWatch {
         self.evidence > 1.0 || self.seized.is_some()
     }
 
-    pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
-        let Some(specific_force_b) = evidence.nav.specific_force_b else { return };
-        let force_b = specific_force_b * evidence.nav.mass.mass_kg;
+    pub fn observe(&mut self, evidence: &Evidence, felt: &Felt, engine: &mut EngineEstimate) {
+        let Some(force_b) = evidence.force_b(&felt.turn_b) else { return };
         // A force that is the engine's, in a thrust that has settled.
         let judged = engine.steady_n(0.0).is_some_and(|nominal_n| {
             force_b.norm() > GIMBAL_THRUST_MIN_N && force_b.norm() > 0.5 * engine.scale * nominal_n
@@ -78,7 +81,7 @@ impl GimbalWatch {
         let line_rad = disturbance::line_rad(&force_b);
         self.seen_s += step_s;
         let gain = |memory_s: f64| step_s / self.seen_s.min(memory_s).max(step_s);
-        let sigma_rad = JITTER_RAD.hypot(NOISE_M_S2 / specific_force_b.norm());
+        let sigma_rad = JITTER_RAD.hypot(NOISE_M_S2 * evidence.nav.mass.mass_kg / force_b.norm());
         let most_rad = DEVIATIONS * sigma_rad;
         if let Some(seizure) = &mut self.seized {
             self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);
@@ -95,7 +98,12 @@ impl GimbalWatch {
             engine.limited(Some(balanced_n(evidence, &self.line_rad)));
             return;
         }
-        let follows = line_rad - expected_rad - self.error_rad;
+        // (G.82)
+        let off_rad = line_rad - expected_rad;
+        let by_torque_rad = line_by_torque_rad(evidence, felt, force_b.norm()) - expected_rad;
+        self.by_torque_rad += (by_torque_rad - self.by_torque_rad) * gain(TORQUE_MEMORY_S);
+        let follows =
+            (off_rad - self.error_rad).zip_map(&(self.by_torque_rad - self.error_rad), lesser);
         let stands = line_rad - self.line_rad;
         let ratio =
             (follows.norm_squared() - stands.norm_squared()) / (2.0 * sigma_rad * sigma_rad);
@@ -106,7 +114,7 @@ impl GimbalWatch {
         } else {
             self.evidence = (self.evidence - step_s / INDEPENDENT_S).max(0.0);
         }
-        self.error_rad += follows * gain(MEMORY_S);
+        self.error_rad += (off_rad - self.error_rad) * gain(MEMORY_S);
         self.line_rad += stands * gain(MEMORY_S);
         if self.evidence > DECISION {
             self.line_rad = line_rad;
@@ -114,6 +122,14 @@ impl GimbalWatch {
             self.seized = Some(Seizure { held_rad: line_rad, stood_s: 0.0 });
         }
     }
+}
+
+/// Angles of the thrust line whose torque was felt, to first order.
+fn line_by_torque_rad(evidence: &Evidence, felt: &Felt, thrust_n: f64) -> Vector2<f64> {
+    let Evidence { vehicle, nav, .. } = evidence;
+    let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
+    let torque_m = felt.torque_b / thrust_n;
+    Vector2::new(torque_m.x - arm_b.y, torque_m.y + arm_b.x) / arm_b.z
 }
 
 /// Share of the thrusters' torque that may go into balancing a thrust line that is off.

@@ -39,10 +39,45 @@ pub struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// Where specific force is measured, from the centre of mass.
-    fn force_point_b(&self, nav: &Navigation) -> Vector3<f64> {
+    /// Force on the centre of mass, N; `None` while it is not measured.
+    fn force_b(&self, turn_b: &Vector3<f64>) -> Option<Vector3<f64>> {
         let imu = self.vehicle.sensors.as_ref().filter(|_| !self.perfect).map(|s| &s.imu);
-        imu.map_or(Vector3::zeros(), |imu| imu.mount_b - nav.mass.com_b)
+        let mass = &self.nav.mass;
+        // An IMU off the centre of mass feels the turn, too.
+        let lever_b = imu.map_or(Vector3::zeros(), |imu| turn_b.cross(&(imu.mount_b - mass.com_b)));
+        self.nav.specific_force_b.map(|force_b| (force_b - lever_b) * mass.mass_kg)
+    }
+}
+
+/// Torque and turn of the last step, as the body felt them.
+#[derive(Clone, Copy, Debug)]
+pub struct Felt {
+    /// About the centre of mass, without what was asked of the thrusters (G.80).
+    torque_b: Vector3<f64>,
+    /// Angular acceleration.
+    turn_b: Vector3<f64>,
+}
+
+impl Felt {
+    fn new(evidence: &Evidence, before_b: &Vector3<f64>) -> Self {
+        let Evidence { nav, rcs_torque_b, duration, .. } = evidence;
+        let turn_b = (nav.rate_b - before_b) / duration.seconds();
+        let middle_b = (before_b + nav.rate_b) * 0.5;
+        let inertia_b = &nav.mass.inertia_b;
+        let torque_b = inertia_b * turn_b + middle_b.cross(&(inertia_b * middle_b)) - rcs_torque_b;
+        Self { torque_b, turn_b }
+    }
+}
+
+/// What two measures of one quantity agree on: slosh spoils those by force, a gimbal that doesn't
+/// follow those by command, a stuck thruster those by torque.
+fn lesser(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
     }
 }
 
@@ -56,6 +91,8 @@ pub struct Faults {
     pub sensors: SensorWatch,
     /// Guidance has started anew in flight, without memory.
     pub restarted: bool,
+    /// Body rates at the end of the step before; none until the first.
+    rate_b: Option<Vector3<f64>>,
 }
 
 impl Faults {
@@ -67,11 +104,13 @@ impl Faults {
     /// Looks at the last step, and tells the engine's estimate what was declared.
     pub fn observe(&mut self, evidence: &Evidence, engine: &mut EngineEstimate) {
         self.sensors.observe(evidence);
-        self.engine.observe(evidence, engine);
-        self.gimbal.observe(evidence, engine);
-        let doubtful = self.engine.out() || self.gimbal.doubtful();
-        self.thrusters.observe(evidence, engine, doubtful);
         self.propellant.observe(evidence);
+        self.engine.observe(evidence, engine);
+        let Some(before_b) = self.rate_b.replace(evidence.nav.rate_b) else { return };
+        let felt = Felt::new(evidence, &before_b);
+        self.gimbal.observe(evidence, &felt, engine);
+        let doubtful = self.engine.out() || self.gimbal.doubtful();
+        self.thrusters.observe(evidence, &felt, engine, doubtful);
     }
 
     /// In the order of the signal `fault_declared`.

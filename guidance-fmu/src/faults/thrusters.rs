@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::Evidence;
+use super::{Evidence, Felt, lesser};
 use crate::attitude::GIMBAL_THRUST_MIN_N;
 use crate::disturbance::EngineEstimate;
 
@@ -33,36 +33,33 @@ pub struct StuckPair {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ThrusterWatch {
     pub stuck: Option<StuckPair>,
-    /// Body rates at the end of the step before; none until the first.
-    rate_b: Option<Vector3<f64>>,
     excess: [[f64; 2]; 3],
 }
 
 impl ThrusterWatch {
     /// Looks at the step, unless `doubtful`: while the thrust line may not be where it should.
-    pub fn observe(&mut self, evidence: &Evidence, engine: &EngineEstimate, doubtful: bool) {
-        let Evidence { vehicle, nav, rcs_torque_b, duration, .. } = evidence;
-        let before_b = self.rate_b.replace(nav.rate_b);
-        let expected_b = engine.force_mean_b();
-        let measured_b = nav.specific_force_b.map(|force_b| force_b * nav.mass.mass_kg);
-        let sure = measured_b.is_some_and(|measured_b| {
-            let (measured_n, expected_n) = (measured_b.norm(), expected_b.norm());
-            (measured_n - expected_n).abs() < FORCE_SHARE * expected_n + FORCE_N
-        });
-        let (Some(before_b), true) = (before_b, sure && !doubtful && !nav.any_foot_down) else {
+    pub fn observe(
+        &mut self,
+        evidence: &Evidence,
+        felt: &Felt,
+        engine: &EngineEstimate,
+        doubtful: bool,
+    ) {
+        let Evidence { vehicle, nav, duration, .. } = evidence;
+        let (step_s, expected_b) = (duration.seconds(), engine.force_mean_b());
+        let as_expected = |force_b: &Vector3<f64>| {
+            let expected_n = expected_b.norm();
+            (force_b.norm() - expected_n).abs() < FORCE_SHARE * expected_n + FORCE_N
+        };
+        let force_b = evidence.force_b(&felt.turn_b).filter(as_expected);
+        let (Some(force_b), false) = (force_b, doubtful || nav.any_foot_down) else {
             self.excess = Default::default();
             return;
         };
-        let step_s = duration.seconds();
-        let middle_b = (before_b + nav.rate_b) * 0.5;
-        let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
         // (G.84)
-        let turn_b = (nav.rate_b - before_b) / step_s;
-        let felt_b = nav.mass.inertia_b * turn_b + middle_b.cross(&(nav.mass.inertia_b * middle_b));
-        let by_command_b = felt_b - rcs_torque_b - arm_b.cross(&expected_b);
-        let lever_b = turn_b.cross(&evidence.force_point_b(nav)) * nav.mass.mass_kg;
-        let by_force_b =
-            felt_b - rcs_torque_b - arm_b.cross(&(measured_b.unwrap_or(expected_b) - lever_b));
+        let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
+        let by_command_b = felt.torque_b - arm_b.cross(&expected_b);
+        let by_force_b = felt.torque_b - arm_b.cross(&force_b);
         let mut left_b = by_command_b.zip_map(&by_force_b, lesser);
         let most_b = vehicle.rcs.torque_max_b;
         if let Some(StuckPair { axis, sign }) = self.stuck {
@@ -84,17 +81,5 @@ impl ThrusterWatch {
                 }
             }
         }
-    }
-}
-
-/// What two measures of one torque agree on: slosh spoils the one by force, a gimbal that doesn't
-/// follow the one by command.
-fn lesser(a: f64, b: f64) -> f64 {
-    if a * b <= 0.0 {
-        0.0
-    } else if a.abs() < b.abs() {
-        a
-    } else {
-        b
     }
 }
