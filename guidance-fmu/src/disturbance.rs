@@ -21,7 +21,7 @@ const SETTLED_SHARE: f64 = 0.1;
 const THRUST_ERROR_MAX: f64 = 0.3;
 /// Least thrust, over nominal, of an engine declared weak.
 const WEAK_SCALE_MIN: f64 = 0.05;
-const POINTING_ERROR_MAX_RAD: f64 = 0.08;
+pub const POINTING_ERROR_MAX_RAD: f64 = 0.08;
 
 /// The engine as guidance sees it: what it should do by its nominal lags, and how it differs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Evidence, Felt, lesser};
 use crate::attitude::GIMBAL_THRUST_MIN_N;
-use crate::disturbance::{self, EngineEstimate};
+use crate::disturbance::{self, EngineEstimate, POINTING_ERROR_MAX_RAD};
 
 /// Deviation of the thrust line's jitter, rad, and the time from one independent value to the
 /// next, s: the paper's 0.5°, and twice the correlation time of the engine's noise.
@@ -32,6 +32,8 @@ const NOISE_M_S2: f64 = 0.05;
 pub struct GimbalWatch {
     /// Error of a line that follows.
     error_rad: Vector2<f64>,
+    /// For how long that was learnt, s.
+    learnt_s: f64,
     /// The same by the torque felt, smoothed.
     by_torque_rad: Vector2<f64>,
     /// Angles of a line that doesn't.
@@ -114,7 +116,13 @@ impl GimbalWatch {
         } else {
             self.evidence = (self.evidence - step_s / INDEPENDENT_S).max(0.0);
         }
-        self.error_rad += (off_rad - self.error_rad) * gain(MEMORY_S);
+        // A calibration once made is only followed: what jumps is no calibration.
+        if self.learnt_s < MEMORY_S || (off_rad - self.error_rad).norm() < most_rad {
+            self.learnt_s += step_s;
+            let gain = step_s / self.learnt_s.min(MEMORY_S).max(step_s);
+            self.error_rad = (self.error_rad + (off_rad - self.error_rad) * gain)
+                .map(|angle| angle.clamp(-POINTING_ERROR_MAX_RAD, POINTING_ERROR_MAX_RAD));
+        }
         self.line_rad += stands * gain(MEMORY_S);
         if self.evidence > DECISION {
             self.line_rad = line_rad;
