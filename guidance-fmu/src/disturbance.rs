@@ -173,6 +173,11 @@ impl EngineEstimate {
         self.gimbal_mean_rad
     }
 
+    /// Angles of the thrust line now.
+    pub fn line_rad(&self) -> Vector2<f64> {
+        self.gimbal_rad + self.pointing_rad
+    }
+
     /// Force expected, mean of the last step, body frame, N.
     pub fn force_mean_b(&self) -> Vector3<f64> {
         line_b(&(self.gimbal_mean_rad + self.pointing_rad)) * (self.scale * self.nominal_mean_n)

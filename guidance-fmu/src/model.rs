@@ -13,7 +13,7 @@ use crate::attitude::{self, Torquers};
 use crate::disturbance::EngineEstimate;
 use crate::faults::{Evidence, Faults};
 use crate::guard;
-use crate::mission::{Context, Mission, Orders};
+use crate::mission::{Context, Mission, Orders, Phase};
 use crate::navigation::{Actuation, Estimator, Inputs, Navigation, Navigator, Solution};
 
 /// Constant configuration: nominal values only. The truth's initial state, terrain and faults
@@ -84,9 +84,10 @@ impl Guidance {
             return Ok(solution);
         };
         let Commands { gimbal_rad, rcs_torque_b, .. } = state.commands;
+        let knows = self.task.fault_response;
         let actuation = Actuation {
             thrust_n: state.engine.thrust_n(),
-            gimbal_rad,
+            gimbal_rad: if knows { state.engine.line_rad().into() } else { gimbal_rad },
             rcs_torque_b: rcs_torque_b.into(),
         };
         navigator.step(estimator, state.now, inputs, &actuation)?;
@@ -99,7 +100,8 @@ impl Guidance {
 
     /// Looks for failures in the last step. Whether what plans rest on has changed.
     fn look(&self, state: &mut State, nav: &Navigation, inputs: &Inputs, duration: Ticks) -> bool {
-        if !self.task.fault_response || self.task.mode == GuidanceMode::Off {
+        let flies = self.task.mode != GuidanceMode::Off && state.mission.phase != Phase::CutOff;
+        if !self.task.fault_response || !flies {
             return false;
         }
         let before = state.faults.clone();
