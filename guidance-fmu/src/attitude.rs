@@ -108,9 +108,11 @@ fn allocate(
     let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
     let mut left_b = *torque_b;
     let mut gimbal_rad = Vector2::zeros();
-    if let Some(line_rad) = faults.gimbal.seized() {
-        // Centred, should it be free after all; thrusters balance the line that there is (G.88).
-        gimbal_rad = disturbance::line_rad(&-arm_b) - engine.pointing_rad;
+    let seized_rad = faults.gimbal.seized();
+    if let (Some(line_rad), Some(asked_rad)) =
+        (seized_rad, faults.gimbal.asked_rad(&disturbance::line_rad(&-arm_b)))
+    {
+        gimbal_rad = asked_rad - engine.pointing_rad;
         left_b -= arm_b.cross(&(disturbance::line_b(&line_rad) * thrust_n));
     } else if thrust_n > GIMBAL_THRUST_MIN_N {
         let lever_nm = arm_b.z * thrust_n;

@@ -168,6 +168,11 @@ impl EngineEstimate {
         (self.settled && self.burning_s > burning_s).then_some(self.nominal_mean_n)
     }
 
+    /// The same, settled or not.
+    pub fn burning_n(&self, burning_s: f64) -> Option<f64> {
+        (self.burning_s > burning_s).then_some(self.nominal_mean_n)
+    }
+
     /// Gimbal angles by the nominal lag and rate limit, mean of the last step.
     pub fn gimbal_mean_rad(&self) -> Vector2<f64> {
         self.gimbal_mean_rad

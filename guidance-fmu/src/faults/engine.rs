@@ -13,12 +13,14 @@ const OUT_SHARE: f64 = 0.1;
 const OUT_TIME_S: f64 = 0.1;
 /// Below this share it is weak: five standard deviations of the paper's thrust bias, 3 %.
 const WEAK_SHARE: f64 = 0.85;
+/// A share is judged once it is within so much of its mean: not in a decay, which ends as an outage.
+const STEADY: f64 = 0.1;
 /// Above this share, between the former and one, it is itself again.
 const SOUND_SHARE: f64 = 0.9;
 /// Memory of the share, s: three correlation times of the noise, which leave 0.6 % of its 1 %.
 const MEMORY_S: f64 = 0.15;
 /// Rise times that a start may take before it is judged: 5 % are left of the rise then.
-const START_LAGS: f64 = 3.0;
+pub const START_LAGS: f64 = 3.0;
 /// An engine that is out burns again above this share of its floor, for so long.
 const LIT_SHARE: f64 = 0.3;
 const LIT_TIME_S: f64 = 0.03;
@@ -99,22 +101,26 @@ impl EngineWatch {
         spec: &lander_models::vehicle::Engine,
         engine: &mut EngineEstimate,
     ) {
-        let Some(expected_n) = engine.steady_n(START_LAGS * spec.ignition_lag_s) else {
-            (self.judged_s, self.absent_s) = (0.0, 0.0);
-            return;
-        };
-        let share = force_n / expected_n;
-        self.judged_s += step_s;
-        let gain = step_s / self.judged_s.min(MEMORY_S).max(step_s);
-        self.share += gain * (share - self.share);
-        self.absent_s = if share < OUT_SHARE { self.absent_s + step_s } else { 0.0 };
+        let started_s = START_LAGS * spec.ignition_lag_s;
+        let absent = engine.burning_n(started_s).is_some_and(|n| force_n < OUT_SHARE * n);
+        self.absent_s = if absent { self.absent_s + step_s } else { 0.0 };
+        let mut judged = false;
+        if let Some(expected_n) = engine.steady_n(started_s) {
+            let share = force_n / expected_n;
+            self.judged_s += step_s;
+            let gain = step_s / self.judged_s.min(MEMORY_S).max(step_s);
+            self.share += gain * (share - self.share);
+            judged = self.judged_s > MEMORY_S && (share - self.share).abs() < STEADY;
+        } else {
+            self.judged_s = 0.0;
+        }
         if self.absent_s > OUT_TIME_S {
             *self = Self { out: Some(Outage::default()), ..Self::default() };
             engine.extinguished();
-        } else if !self.weak && self.judged_s > MEMORY_S && self.share < WEAK_SHARE {
+        } else if !self.weak && judged && self.share < WEAK_SHARE {
             self.weak = true;
             engine.weakened(self.share);
-        } else if self.weak && self.judged_s > MEMORY_S && self.share > SOUND_SHARE {
+        } else if self.weak && judged && self.share > SOUND_SHARE {
             self.weak = false;
         }
     }

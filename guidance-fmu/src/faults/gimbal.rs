@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::engine::START_LAGS;
 use super::{Evidence, Felt, lesser};
 use crate::attitude::GIMBAL_THRUST_MIN_N;
 use crate::disturbance::{self, EngineEstimate, POINTING_ERROR_MAX_RAD};
@@ -17,7 +18,12 @@ const DECISION: f64 = 13.8;
 /// that moves by more is not seized, whatever else moves it: slosh.
 const DEVIATIONS: f64 = 4.0;
 /// For so long a line has to stand, s, before plans are made for it.
-const PROOF_S: f64 = 0.3;
+const PROOF_S: f64 = 0.4;
+/// Over which its place is averaged, s: the jitter's correlation time, in which a free gimbal turns
+/// by a degree.
+const HELD_S: f64 = 0.05;
+/// How far from its place a line is asked to go meanwhile, rad: well beyond `DEVIATIONS`.
+const PROBE_RAD: f64 = 0.07;
 /// Time over which each hypothesis learns its constant, s.
 const MEMORY_S: f64 = 1.0;
 /// Over which torque is averaged, s: five shortest pulses of the thrusters.
@@ -42,11 +48,13 @@ pub struct GimbalWatch {
     /// Page's cumulative sum of the log likelihood ratio.
     evidence: f64,
     seized: Option<Seizure>,
+    /// It was declared and moved after all: an error beyond a calibration's is believed since.
+    refuted: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Seizure {
-    /// Angles of the line when that had been proven.
+    /// Angles of the line at the declaration.
     held_rad: Vector2<f64>,
     /// For how long it has stood since, s of thrust.
     stood_s: f64,
@@ -56,6 +64,16 @@ impl GimbalWatch {
     /// Angles of the thrust line once the gimbal is declared seized.
     pub fn seized(&self) -> Option<Vector2<f64>> {
         self.seized.map(|_| self.line_rad)
+    }
+
+    /// Where the line is asked to go once declared seized: to `trim_rad`, at first farther, so that
+    /// a gimbal that is free shows it (G.88).
+    pub fn asked_rad(&self, trim_rad: &Vector2<f64>) -> Option<Vector2<f64>> {
+        let seizure = self.seized.as_ref()?;
+        let way_rad = trim_rad - seizure.held_rad;
+        let proven = seizure.stood_s > PROOF_S || way_rad.norm() > PROBE_RAD;
+        let direction = way_rad.try_normalize(0.0).unwrap_or(Vector2::x());
+        Some(if proven { *trim_rad } else { seizure.held_rad + direction * PROBE_RAD })
     }
 
     /// Whether the line has stood for long enough to plan for it.
@@ -71,7 +89,8 @@ impl GimbalWatch {
     pub fn observe(&mut self, evidence: &Evidence, felt: &Felt, engine: &mut EngineEstimate) {
         let Some(force_b) = evidence.force_b(&felt.turn_b) else { return };
         // A force that is the engine's, in a thrust that has settled.
-        let judged = engine.steady_n(0.0).is_some_and(|nominal_n| {
+        let started_s = START_LAGS * evidence.vehicle.engine.ignition_lag_s;
+        let judged = engine.steady_n(started_s).is_some_and(|nominal_n| {
             force_b.norm() > GIMBAL_THRUST_MIN_N && force_b.norm() > 0.5 * engine.scale * nominal_n
         });
         if !judged {
@@ -87,13 +106,13 @@ impl GimbalWatch {
         let most_rad = DEVIATIONS * sigma_rad;
         if let Some(seizure) = &mut self.seized {
             self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);
-            if seizure.stood_s <= PROOF_S {
+            if seizure.stood_s < HELD_S {
                 seizure.held_rad = self.line_rad;
             }
             seizure.stood_s += step_s;
-            if self.seen_s > PROOF_S && (self.line_rad - seizure.held_rad).norm() > most_rad {
-                // Centred meanwhile (G.88), it moved: it was something else.
-                *self = Self::default();
+            if (self.line_rad - seizure.held_rad).norm() > most_rad {
+                // Asked to move (G.88), it did: it was something else.
+                *self = Self { refuted: true, ..Self::default() };
                 engine.limited(None);
                 return;
             }
@@ -120,8 +139,11 @@ impl GimbalWatch {
         if self.learnt_s < MEMORY_S || (off_rad - self.error_rad).norm() < most_rad {
             self.learnt_s += step_s;
             let gain = step_s / self.learnt_s.min(MEMORY_S).max(step_s);
-            self.error_rad = (self.error_rad + (off_rad - self.error_rad) * gain)
-                .map(|angle| angle.clamp(-POINTING_ERROR_MAX_RAD, POINTING_ERROR_MAX_RAD));
+            self.error_rad += (off_rad - self.error_rad) * gain;
+            if !self.refuted {
+                let most_rad = POINTING_ERROR_MAX_RAD;
+                self.error_rad = self.error_rad.map(|angle| angle.clamp(-most_rad, most_rad));
+            }
         }
         self.line_rad += stands * gain(MEMORY_S);
         if self.evidence > DECISION {

@@ -14,7 +14,7 @@ const COAST_PULSES: f64 = 2.5;
 const PULSE_S: f64 = 0.02;
 /// Time of full torque that declares it in a burn, s: the gimbal holds the vehicle meanwhile, and
 /// half a period of slosh (7 rad/s), or an error of the thrust line before it is learnt, stays below.
-const BURN_S: f64 = 0.3;
+const BURN_S: f64 = 0.6;
 /// Force that is as expected, for a thrust line that can be relied on: this share and so many newton
 /// about it, s being known to a few per cent and a turning IMU feeling some 25 N.
 const FORCE_SHARE: f64 = 0.2;
