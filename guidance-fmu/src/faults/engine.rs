@@ -1,4 +1,4 @@
-//! Engine: thrust commanded against specific force (G.80, G.81).
+//! Engine: thrust commanded against specific force (G.81).
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
