@@ -243,6 +243,18 @@ mod tests {
     }
 
     #[test]
+    fn a_stuck_pair_is_balanced_and_only_let_through_to_stop_a_turn_against_it() {
+        for sign in [1.0, -1.0] {
+            for (wanted_n_m, rate_rad_s, net_n_m) in
+                [(20.0, -0.1, 20.0), (80.0, -0.1, 50.0), (-20.0, -0.1, 0.0), (20.0, 0.1, 0.0)]
+            {
+                let asked_n_m = against(sign, sign * wanted_n_m, 50.0, sign * rate_rad_s);
+                assert_eq!(asked_n_m + sign * 50.0, sign * net_n_m, "{wanted_n_m}, {rate_rad_s}");
+            }
+        }
+    }
+
+    #[test]
     fn a_tilted_vehicle_is_turned_back() {
         let vehicle = bug();
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {

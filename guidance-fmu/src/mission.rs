@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::descent::{self, Aim, Braking};
 use crate::disturbance::EngineEstimate;
-use crate::faults::{Capability, Faults};
+use crate::faults::Faults;
 use crate::navigation::Navigation;
 use crate::planning::{Planning, Situation};
 use crate::scvx::Terminal;
@@ -102,13 +102,10 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    fn capability(&self) -> Capability {
-        self.faults.capability(self.task, self.vehicle, self.engine)
-    }
-
     fn situation(&self) -> Situation<'a> {
-        let Self { vehicle, task, gravity_m_s2, now, nav, .. } = *self;
-        Situation { vehicle, task, gravity_m_s2, capability: self.capability(), now, nav }
+        let Self { vehicle, task, gravity_m_s2, now, nav, engine, faults, .. } = *self;
+        let capability = faults.capability(task, vehicle, engine);
+        Situation { vehicle, task, gravity_m_s2, capability, now, nav }
     }
 }
 
@@ -242,10 +239,8 @@ impl Mission {
     }
 
     fn descend(&mut self, context: &Context, aim: Aim) -> Orders {
-        let Context { vehicle, task, gravity_m_s2, nav, engine, .. } = *context;
-        let braking = &mut self.braking;
-        let left = context.capability();
-        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, engine, &left, aim, braking);
+        let (situation, engine) = (context.situation(), context.engine);
+        let demand = descent::demand(&situation, engine, aim, &mut self.braking);
         match demand.thrust_acceleration_w {
             Some(acceleration_w) => powered_orders(context, &acceleration_w),
             None => Orders::coast(demand.up_w),

@@ -373,7 +373,7 @@ pub const GUIDANCE: Interface = Interface {
         scalar(
             "goal",
             "1",
-            "What is flown for: 0 target, 1 anywhere, 2 softest_impact, 3 below, 4 upright",
+            "0 target, 1 anywhere, 2 softest_impact, 3 below, 4 upright",
         ),
         vector(
             "fault_declared",

@@ -104,24 +104,26 @@ impl EngineWatch {
         let started_s = START_LAGS * spec.ignition_lag_s;
         let absent = engine.burning_n(started_s).is_some_and(|n| force_n < OUT_SHARE * n);
         self.absent_s = if absent { self.absent_s + step_s } else { 0.0 };
-        let mut judged = false;
+        let mut steady = None;
         if let Some(expected_n) = engine.steady_n(started_s) {
             let share = force_n / expected_n;
             self.judged_s += step_s;
             let gain = step_s / self.judged_s.min(MEMORY_S).max(step_s);
             self.share += gain * (share - self.share);
-            judged = self.judged_s > MEMORY_S && (share - self.share).abs() < STEADY;
+            let judged = self.judged_s > MEMORY_S && (share - self.share).abs() < STEADY;
+            steady = judged.then_some(share);
         } else {
             self.judged_s = 0.0;
         }
         if self.absent_s > OUT_TIME_S {
             *self = Self { out: Some(Outage::default()), ..Self::default() };
             engine.extinguished();
-        } else if !self.weak && judged && self.share < WEAK_SHARE {
-            self.weak = true;
-            engine.weakened(self.share);
-        } else if self.weak && judged && self.share > SOUND_SHARE {
-            self.weak = false;
+        } else if let Some(share) = steady {
+            let weak = self.share < if self.weak { SOUND_SHARE } else { WEAK_SHARE };
+            if weak && !self.weak {
+                engine.weakened(share);
+            }
+            self.weak = weak;
         }
     }
 }

@@ -6,6 +6,8 @@ mod engine;
 mod gimbal;
 mod propellant;
 mod sensors;
+#[cfg(test)]
+mod tests;
 mod thrusters;
 
 use lander_models::Ticks;
