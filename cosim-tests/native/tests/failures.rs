@@ -27,11 +27,12 @@ fn lands(id: &str, claim: &str, at_least: usize, without: usize) -> [Vec<Ending>
     let [with_response, without_response] = flown(claim);
     let left = landed(&without_response);
     assert!(left <= without, "{claim}: {left} land without a response");
+    let reference = format!("landings of 12: 4 onsets, 3 draws; {left} without a response");
     Claim {
         id,
         section: "Failures in flight",
         claim,
-        reference: "landings of 12: 4 onsets, 3 draws; fewer land where guidance looks for nothing",
+        reference: &reference,
         unit: "",
         bound: Bound::AtLeast(at_least as f64),
         origin: "as measured; the others are out of reach of what is left of the vehicle",
