@@ -3,7 +3,8 @@
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::disturbance::EngineEstimate;
+use crate::disturbance::{self, EngineEstimate};
+use crate::faults::{Faults, StuckPair};
 use crate::navigation::Navigation;
 
 /// Loop gains: attitude error to rate and rate error to acceleration, 1/s.
@@ -22,7 +23,7 @@ const ON_THRUSTERS: Gains =
     Gains { error_to_rate_1_s: 1.2, rate_to_acceleration_1_s: 3.0, rate_max_rad_s: 0.26 };
 
 /// Below this thrust the gimbal's torque is not relied on.
-const GIMBAL_THRUST_MIN_N: f64 = 400.0;
+pub const GIMBAL_THRUST_MIN_N: f64 = 400.0;
 
 /// The gimbal's angle so far ahead decides what is left for the thrusters, s: one control step.
 const LOOK_AHEAD_S: f64 = 0.01;
@@ -43,12 +44,17 @@ pub fn control(
     vehicle: &Vehicle,
     nav: &Navigation,
     engine: &EngineEstimate,
+    faults: &Faults,
     up_w: &Vector3<f64>,
     up_rate_w: &Vector3<f64>,
 ) -> Torquers {
     let thrust_n = engine.thrust_n();
-    let gains = if thrust_n > GIMBAL_THRUST_MIN_N { ON_GIMBAL } else { ON_THRUSTERS };
-    let wanted_wb = attitude_for(vehicle, nav, up_w, thrust_n);
+    let steers = thrust_n > GIMBAL_THRUST_MIN_N && faults.gimbal.seized().is_none();
+    let gains = if steers { ON_GIMBAL } else { ON_THRUSTERS };
+    let free_heading = faults.thrusters.stuck.is_some_and(|pair| pair.axis == 2);
+    let heading_w = if free_heading { nav.attitude_wb * Vector3::x() } else { Vector3::x() };
+    let trim_b = trim_line_b(vehicle, nav, faults, thrust_n);
+    let wanted_wb = attitude_for(up_w, &heading_w, &trim_b);
     let error_b = (wanted_wb.inverse() * nav.attitude_wb).scaled_axis();
     let turn_b = nav.attitude_wb.inverse() * up_rate_w;
     let rate_b = (turn_b - error_b * gains.error_to_rate_1_s).cap_magnitude(gains.rate_max_rad_s);
@@ -56,24 +62,36 @@ pub fn control(
     // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
-    allocate(vehicle, nav, engine, &torque_b)
+    allocate(vehicle, nav, engine, faults, &torque_b)
 }
 
-/// Attitude whose trimmed thrust line is `up_w` (G.35).
-fn attitude_for(
+/// Thrust line that the attitude is to put along the wanted thrust: through the centre of mass, or
+/// where a seized gimbal has left it; the body's axis without thrust.
+fn trim_line_b(
     vehicle: &Vehicle,
     nav: &Navigation,
-    up_w: &Vector3<f64>,
+    faults: &Faults,
     thrust_n: f64,
+) -> Vector3<f64> {
+    match faults.gimbal.seized() {
+        _ if thrust_n <= GIMBAL_THRUST_MIN_N => Vector3::z(),
+        Some(line_rad) => disturbance::line_b(&line_rad),
+        None => (nav.mass.com_b - vehicle.engine.pivot_b).normalize(),
+    }
+}
+
+/// Attitude whose thrust line `trim_b` is `up_w`, with body x near `heading_w` (G.35).
+fn attitude_for(
+    up_w: &Vector3<f64>,
+    heading_w: &Vector3<f64>,
+    trim_b: &Vector3<f64>,
 ) -> UnitQuaternion<f64> {
-    let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
-    let trim_b = if thrust_n > GIMBAL_THRUST_MIN_N { -arm_b.normalize() } else { Vector3::z() };
     // Body y from up × x: defined for every tilt below 90°, which the planner's limit ensures.
-    let y_w = up_w.cross(&Vector3::x());
+    let y_w = up_w.cross(heading_w);
     let y_w = y_w.try_normalize(1e-9).unwrap_or(Vector3::y());
     let x_w = y_w.cross(up_w);
     let frame = Rotation3::from_basis_unchecked(&[x_w, y_w, *up_w]);
-    let trim = UnitQuaternion::rotation_between(&trim_b, &Vector3::z()).unwrap_or_default();
+    let trim = UnitQuaternion::rotation_between(trim_b, &Vector3::z()).unwrap_or_default();
     UnitQuaternion::from_rotation_matrix(&frame) * trim
 }
 
@@ -82,6 +100,7 @@ fn allocate(
     vehicle: &Vehicle,
     nav: &Navigation,
     engine: &EngineEstimate,
+    faults: &Faults,
     torque_b: &Vector3<f64>,
 ) -> Torquers {
     let thrust_n = engine.thrust_n();
@@ -89,7 +108,13 @@ fn allocate(
     let arm_b = vehicle.engine.pivot_b - nav.mass.com_b;
     let mut left_b = *torque_b;
     let mut gimbal_rad = Vector2::zeros();
-    if thrust_n > GIMBAL_THRUST_MIN_N {
+    let seized_rad = faults.gimbal.seized();
+    if let (Some(line_rad), Some(asked_rad)) =
+        (seized_rad, faults.gimbal.asked_rad(&disturbance::line_rad(&-arm_b)))
+    {
+        gimbal_rad = asked_rad - engine.pointing_rad;
+        left_b -= arm_b.cross(&(disturbance::line_b(&line_rad) * thrust_n));
+    } else if thrust_n > GIMBAL_THRUST_MIN_N {
         let lever_nm = arm_b.z * thrust_n;
         let wanted_rad = Vector2::new(
             (torque_b.x - arm_b.y * thrust_n) / lever_nm,
@@ -104,9 +129,21 @@ fn allocate(
         // A centre of mass off the axis lets the gimbal roll the vehicle a little.
         left_b.z += thrust_n * (arm_b.x * line_rad.x + arm_b.y * line_rad.y);
     }
-    let rcs_torque_b =
-        left_b.zip_map(&vehicle.rcs.torque_max_b, |torque, max| torque.clamp(-max, max));
+    let most_b = vehicle.rcs.torque_max_b;
+    let mut rcs_torque_b = left_b.zip_map(&most_b, |torque, max| torque.clamp(-max, max));
+    if let Some(StuckPair { axis, sign }) = faults.thrusters.stuck {
+        rcs_torque_b[axis] = against(sign, left_b[axis], most_b[axis], nav.rate_b[axis]);
+    }
     Torquers { gimbal_rad, rcs_torque_b }
+}
+
+/// What to ask on the axis of a stuck pair: the pair against it balances it, and less of that
+/// turns the vehicle its way (G.89). Nothing stops such a turn, so none is begun: a torque is only
+/// let through to stop one the other way.
+fn against(sign: f64, wanted_n_m: f64, most_n_m: f64, rate_rad_s: f64) -> f64 {
+    let stops = sign * rate_rad_s < 0.0;
+    let net_n_m = if stops { (sign * wanted_n_m).clamp(0.0, most_n_m) } else { 0.0 };
+    sign * (net_n_m - most_n_m)
 }
 
 #[cfg(test)]
@@ -152,7 +189,7 @@ mod tests {
         let mut engine = running(&vehicle, 2000.0);
         // At once thrusters give what the gimbal has yet to turn to; in the end the gimbal does all.
         for steps in 0..100 {
-            let given = allocate(&vehicle, &nav, &engine, &asked_b);
+            let given = allocate(&vehicle, &nav, &engine, &Faults::default(), &asked_b);
             let soon_rad =
                 engine.gimbal_after_rad(&vehicle.engine, &given.gimbal_rad, LOOK_AHEAD_S);
             let torque_b = torque_b(&nav, &vehicle, soon_rad) + given.rcs_torque_b;
@@ -172,7 +209,7 @@ mod tests {
         let mut engine = running(&vehicle, 2000.0);
         engine.pointing_rad = Vector2::new(0.03, -0.02);
         let asked_b = Vector3::new(10.0, -20.0, 0.0);
-        let given = allocate(&vehicle, &nav, &engine, &asked_b);
+        let given = allocate(&vehicle, &nav, &engine, &Faults::default(), &asked_b);
         let torque_b = torque_b(&nav, &vehicle, given.gimbal_rad + engine.pointing_rad);
         // First order in the angle, as above.
         assert!((torque_b - asked_b).xy().norm() < 1e-3 * asked_b.norm(), "{torque_b}");
@@ -183,10 +220,12 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let asked_b = Vector3::new(200.0, 0.0, 0.0);
-        let given = allocate(&vehicle, &nav, &running(&vehicle, 1000.0), &asked_b);
+        let given =
+            allocate(&vehicle, &nav, &running(&vehicle, 1000.0), &Faults::default(), &asked_b);
         assert_eq!(given.gimbal_rad.x.abs(), vehicle.engine.gimbal_limit_rad);
         assert_eq!(given.rcs_torque_b.x, vehicle.rcs.torque_max_b.x);
-        let engine_off = allocate(&vehicle, &nav, &EngineEstimate::default(), &asked_b);
+        let engine_off =
+            allocate(&vehicle, &nav, &EngineEstimate::default(), &Faults::default(), &asked_b);
         assert_eq!(engine_off.gimbal_rad, Vector2::zeros());
     }
 
@@ -195,11 +234,24 @@ mod tests {
         let vehicle = bug();
         let nav = upright(&vehicle);
         let up_w = Vector3::new(0.3, -0.2, 0.9).normalize();
-        let wanted_wb = attitude_for(&vehicle, &nav, &up_w, 2000.0);
+        let trim_b = trim_line_b(&vehicle, &nav, &Faults::default(), 2000.0);
+        let wanted_wb = attitude_for(&up_w, &Vector3::x(), &trim_b);
         let line_b = (nav.mass.com_b - vehicle.engine.pivot_b).normalize();
         assert!((wanted_wb * line_b - up_w).norm() < 1e-12, "rounding only");
         // Heading: body x keeps to the plane of world x and up.
         assert!((wanted_wb * Vector3::x()).x > 0.8);
+    }
+
+    #[test]
+    fn a_stuck_pair_is_balanced_and_only_let_through_to_stop_a_turn_against_it() {
+        for sign in [1.0, -1.0] {
+            for (wanted_n_m, rate_rad_s, net_n_m) in
+                [(20.0, -0.1, 20.0), (80.0, -0.1, 50.0), (-20.0, -0.1, 0.0), (20.0, 0.1, 0.0)]
+            {
+                let asked_n_m = against(sign, sign * wanted_n_m, 50.0, sign * rate_rad_s);
+                assert_eq!(asked_n_m + sign * 50.0, sign * net_n_m, "{wanted_n_m}, {rate_rad_s}");
+            }
+        }
     }
 
     #[test]
@@ -209,7 +261,8 @@ mod tests {
             let mut nav = upright(&vehicle);
             nav.attitude_wb = UnitQuaternion::from_axis_angle(&axis, 0.1);
             let still = Vector3::zeros();
-            let given = control(&vehicle, &nav, &EngineEstimate::default(), &Vector3::z(), &still);
+            let (engine, faults) = (EngineEstimate::default(), Faults::default());
+            let given = control(&vehicle, &nav, &engine, &faults, &Vector3::z(), &still);
             assert!(given.rcs_torque_b.dot(&axis) < 0.0, "about {axis:?}");
         }
     }

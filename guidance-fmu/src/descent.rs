@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
+use crate::planning::Situation;
 
 /// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
 const LATERAL_POSITION_1_S2: f64 = 0.25;
@@ -49,23 +50,23 @@ pub struct Demand {
 
 /// One step of the law (G.31): brake so that the cut-off speed is reached at the cut-off height.
 pub fn demand(
-    vehicle: &Vehicle,
-    gravity_m_s2: f64,
-    task: &Task,
-    nav: &Navigation,
+    situation: &Situation,
     engine: &EngineEstimate,
     aim: Aim,
     braking: &mut Braking,
 ) -> Demand {
+    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, .. } = *situation;
     let speed_m_s = -nav.velocity_w.z;
     let height_m = (nav.altimeter_m - task.cutoff_height_m).max(0.05);
     let needed_m_s2 =
         (speed_m_s.abs() * speed_m_s - task.cutoff_speed_m_s.powi(2)) / (2.0 * height_m);
-    let net_m_s2 = |thrust_n: f64| engine.scale * thrust_n / nav.mass.mass_kg - gravity_m_s2;
-    let floor_m_s2 = net_m_s2(vehicle.engine.thrust_min_n);
-    let ceiling_m_s2 = net_m_s2(vehicle.engine.thrust_max_n);
+    let net_m_s2 = |thrust_n: f64| thrust_n / nav.mass.mass_kg - gravity_m_s2;
+    let floor_m_s2 = net_m_s2(engine.scale * vehicle.engine.thrust_min_n);
+    let ceiling_m_s2 = net_m_s2(engine.ceiling_n(&vehicle.engine)).max(floor_m_s2);
     let start_m_s2 = match aim {
-        Aim::Target(_) => task.terminal_deceleration_m_s2,
+        Aim::Target(_) => {
+            capability.terminal_deceleration_m_s2(task, nav.mass.mass_kg, gravity_m_s2)
+        }
         Aim::Below => FALLBACK_SHARE * ceiling_m_s2,
     };
     braking.engine_on = if braking.engine_on {
@@ -113,7 +114,9 @@ pub fn cut_off(vehicle: &Vehicle, task: &Task, nav: &Navigation, thrust_n: f64) 
 #[cfg(test)]
 mod tests {
     use lander_models::signals::{ALTIMETER_M, ATTITUDE_WB, GUIDANCE, MASS_KG, VELOCITY_W};
-    use lander_models::{Scenario, Vehicle};
+    use lander_models::{Scenario, Ticks, Vehicle};
+
+    use crate::faults::Capability;
 
     use super::*;
 
@@ -152,24 +155,30 @@ mod tests {
     #[test]
     fn braking_follows_the_constant_deceleration_and_never_asks_for_less_than_the_floor() {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
-        let (task, gravity) = (&scenario.guidance, scenario.gravity_m_s2);
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
         let aim = Aim::Target(task.target_w);
         let engine = EngineEstimate::default();
+        let capability = Capability::nominal(task, &vehicle);
+        let ask = |nav: &Navigation, braking: &mut Braking| {
+            let (vehicle, now) = (&vehicle, Ticks::ZERO);
+            let situation = Situation { vehicle, task, gravity_m_s2, capability, now, nav };
+            demand(&situation, &engine, aim, braking)
+        };
         // On the planned parabola at 8 m: a = 3 m/s² is exactly what is needed.
         let height_m = 8.0 - task.cutoff_height_m;
         let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * 3.0 * height_m).sqrt();
         let mut braking = Braking { engine_on: true };
         let nav = descending(&vehicle, 8.0, speed_m_s);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = ask(&nav, &mut braking);
         let vertical = asked.thrust_acceleration_w.unwrap().z;
-        assert!((vertical - gravity - 3.0).abs() < 1e-12, "{vertical} m/s²");
+        assert!((vertical - gravity_m_s2 - 3.0).abs() < 1e-12, "{vertical} m/s²");
         // Far too slow for the height: the floor would lift it, so the engine waits.
         let nav = descending(&vehicle, 8.0, 1.0);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = ask(&nav, &mut braking);
         assert!(asked.thrust_acceleration_w.is_none() && !braking.engine_on);
         // Far too fast: full thrust, no more.
         let nav = descending(&vehicle, 2.0, 20.0);
-        let asked = demand(&vehicle, gravity, task, &nav, &engine, aim, &mut braking);
+        let asked = ask(&nav, &mut braking);
         let most_m_s2 = vehicle.engine.thrust_max_n / nav.mass.mass_kg;
         assert!((asked.thrust_acceleration_w.unwrap().z - most_m_s2).abs() < 1e-9);
     }

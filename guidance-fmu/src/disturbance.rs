@@ -19,7 +19,9 @@ const PRIOR_S: f64 = 0.05;
 const SETTLED_SHARE: f64 = 0.1;
 /// Errors beyond these are no calibration but a failure, and are not compensated further.
 const THRUST_ERROR_MAX: f64 = 0.3;
-const POINTING_ERROR_MAX_RAD: f64 = 0.08;
+/// Least thrust, over nominal, of an engine declared weak.
+const WEAK_SCALE_MIN: f64 = 0.05;
+pub const POINTING_ERROR_MAX_RAD: f64 = 0.08;
 
 /// The engine as guidance sees it: what it should do by its nominal lags, and how it differs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +44,12 @@ pub struct EngineEstimate {
     pub pointing_rad: Vector2<f64>,
     /// For how long there was something to learn from, s.
     seen_s: f64,
+    /// Since ignition, s; zero while off.
+    burning_s: f64,
+    /// Least `scale` that is believed.
+    scale_min: f64,
+    /// Delivered thrust not to be exceeded, N, once a failure sets one.
+    limit_n: Option<f64>,
 }
 
 impl Default for EngineEstimate {
@@ -57,6 +65,9 @@ impl Default for EngineEstimate {
             scale: 1.0,
             pointing_rad: Vector2::zeros(),
             seen_s: 0.0,
+            burning_s: 0.0,
+            scale_min: 1.0 - THRUST_ERROR_MAX,
+            limit_n: None,
         }
     }
 }
@@ -91,7 +102,7 @@ impl EngineEstimate {
         let line_rad = Vector2::new((-direction_b.y).asin(), direction_b.x.atan2(direction_b.z));
         let scale = force_n / self.nominal_mean_n;
         self.scale = (self.scale + gain * (scale - self.scale))
-            .clamp(1.0 - THRUST_ERROR_MAX, 1.0 + THRUST_ERROR_MAX);
+            .clamp(self.scale_min, 1.0 + THRUST_ERROR_MAX);
         let error_rad = line_rad - self.gimbal_mean_rad;
         self.pointing_rad = (self.pointing_rad + gain * (error_rad - self.pointing_rad))
             .map(|angle| angle.clamp(-POINTING_ERROR_MAX_RAD, POINTING_ERROR_MAX_RAD));
@@ -112,6 +123,8 @@ impl EngineEstimate {
             (false, _) => Ticks::ZERO,
         };
         self.lit = command_n > 0.0;
+        self.burning_s =
+            if self.lit && self.igniting == Ticks::ZERO { self.burning_s + step_s } else { 0.0 };
         let command_n = if self.igniting > Ticks::ZERO { 0.0 } else { command_n };
         let lag_s = if command_n > 0.0 { engine.thrust_lag_s } else { engine.tail_off_lag_s };
         let (before_n, before_rad) = (self.nominal_n, self.gimbal_rad);
@@ -139,8 +152,77 @@ impl EngineEstimate {
     /// Command that delivers `wanted_n`, within the throttle (G.62): never between zero and the
     /// floor.
     pub fn command_n(&self, engine: &Engine, wanted_n: f64) -> f64 {
+        let wanted_n = self.limit_n.map_or(wanted_n, |limit_n| wanted_n.min(limit_n));
         (wanted_n / self.scale).clamp(engine.thrust_min_n, engine.thrust_max_n)
     }
+
+    /// Most thrust that can be delivered, N.
+    pub fn ceiling_n(&self, engine: &Engine) -> f64 {
+        let ceiling_n = self.scale * engine.thrust_max_n;
+        self.limit_n.map_or(ceiling_n, |limit_n| ceiling_n.min(limit_n))
+    }
+
+    /// Thrust expected by the nominal lags, mean of the last step, N, where it has settled and the
+    /// burn has lasted so long; without errors.
+    pub fn steady_n(&self, burning_s: f64) -> Option<f64> {
+        (self.settled && self.burning_s > burning_s).then_some(self.nominal_mean_n)
+    }
+
+    /// The same, settled or not.
+    pub fn burning_n(&self, burning_s: f64) -> Option<f64> {
+        (self.burning_s > burning_s).then_some(self.nominal_mean_n)
+    }
+
+    /// Gimbal angles by the nominal lag and rate limit, mean of the last step.
+    pub fn gimbal_mean_rad(&self) -> Vector2<f64> {
+        self.gimbal_mean_rad
+    }
+
+    /// Angles of the thrust line now.
+    pub fn line_rad(&self) -> Vector2<f64> {
+        self.gimbal_rad + self.pointing_rad
+    }
+
+    /// Force expected, mean of the last step, body frame, N.
+    pub fn force_mean_b(&self) -> Vector3<f64> {
+        line_b(&(self.gimbal_mean_rad + self.pointing_rad)) * (self.scale * self.nominal_mean_n)
+    }
+
+    /// No thrust comes, whatever is commanded. What its decay taught is forgotten.
+    pub fn extinguished(&mut self) {
+        let Self { gimbal_rad, gimbal_mean_rad, limit_n, .. } = *self;
+        *self = Self { gimbal_rad, gimbal_mean_rad, limit_n, ..Self::default() };
+    }
+
+    /// An engine thought out gives this thrust.
+    pub fn relit(&mut self, thrust_n: f64) {
+        self.lit = true;
+        self.nominal_n = thrust_n / self.scale;
+        self.nominal_mean_n = self.nominal_n;
+    }
+
+    /// The engine gives this share of what is asked.
+    pub fn weakened(&mut self, share: f64) {
+        self.scale_min = WEAK_SCALE_MIN;
+        self.scale = share.max(WEAK_SCALE_MIN);
+    }
+
+    /// No more than this may be delivered, if anything limits it.
+    pub fn limited(&mut self, thrust_n: Option<f64>) {
+        self.limit_n = thrust_n;
+    }
+}
+
+/// Angles about the gimbal axes of a thrust line along a force.
+pub fn line_rad(force_b: &Vector3<f64>) -> Vector2<f64> {
+    let direction_b = force_b.normalize();
+    Vector2::new((-direction_b.y).asin(), direction_b.x.atan2(direction_b.z))
+}
+
+/// Unit thrust line at angles about the gimbal axes.
+pub fn line_b(angles_rad: &Vector2<f64>) -> Vector3<f64> {
+    let ((sin_x, cos_x), (sin_y, cos_y)) = (angles_rad.x.sin_cos(), angles_rad.y.sin_cos());
+    Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)
 }
 
 #[cfg(test)]

@@ -11,10 +11,11 @@ pub mod six_dof;
 mod attitude;
 mod descent;
 mod disturbance;
+mod faults;
 mod guard;
 mod mission;
 mod model;
 mod planning;
 
-pub use mission::Phase;
+pub use mission::{Goal, Phase};
 pub use model::{Guidance, State};

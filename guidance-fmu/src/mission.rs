@@ -8,8 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::descent::{self, Aim, Braking};
 use crate::disturbance::EngineEstimate;
+use crate::faults::Faults;
 use crate::navigation::Navigation;
-use crate::planning::Planning;
+use crate::planning::{Planning, Situation};
+use crate::scvx::Terminal;
 
 /// Tracking gains: critically damped at 0.7 rad/s, a quarter of the attitude loop's bandwidth.
 const TRACK_POSITION_1_S2: f64 = 0.5;
@@ -35,6 +37,21 @@ pub enum Phase {
     CutOff = 5,
     /// No plan could be had: brake and land wherever that is.
     FallBack = 6,
+}
+
+/// How much of the target is still flown for. Coded as an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Goal {
+    Target = 0,
+    /// A landing wherever it costs least.
+    Anywhere = 1,
+    /// The slowest impact that the propellant allows.
+    SoftestImpact = 2,
+    /// Below, without a plan.
+    Below = 3,
+    /// Without an engine: upright.
+    Upright = 4,
 }
 
 /// What the flight laws keep between steps.
@@ -79,11 +96,38 @@ pub struct Context<'a> {
     pub now: Ticks,
     pub nav: &'a Navigation,
     pub engine: &'a EngineEstimate,
+    pub faults: &'a Faults,
+    /// Of what has been declared something is new, or no longer holds.
+    pub outdated: bool,
+}
+
+impl<'a> Context<'a> {
+    fn situation(&self) -> Situation<'a> {
+        let Self { vehicle, task, gravity_m_s2, now, nav, engine, faults, .. } = *self;
+        let capability = faults.capability(task, vehicle, engine);
+        Situation { vehicle, task, gravity_m_s2, capability, now, nav }
+    }
 }
 
 impl Mission {
+    pub fn goal(&self, faults: &Faults) -> Goal {
+        match self.planning.terminal {
+            _ if faults.engine.out() => Goal::Upright,
+            _ if self.phase == Phase::FallBack => Goal::Below,
+            Terminal::Point => Goal::Target,
+            Terminal::Anywhere => Goal::Anywhere,
+            Terminal::SoftestImpact => Goal::SoftestImpact,
+        }
+    }
+
     /// Chooses the phase and flies it.
     pub fn step(&mut self, context: &Context) -> Orders {
+        if context.faults.engine.out() && self.phase != Phase::CutOff {
+            if context.nav.any_foot_down {
+                self.phase = Phase::CutOff;
+            }
+            return self.without_engine(context);
+        }
         self.change_phase(context);
         match self.phase {
             Phase::Standby => Orders::NONE,
@@ -99,7 +143,7 @@ impl Mission {
     }
 
     fn change_phase(&mut self, context: &Context) {
-        let Context { vehicle, task, gravity_m_s2, now, nav, engine } = *context;
+        let Context { vehicle, task, now, nav, engine, .. } = *context;
         match self.phase {
             Phase::Standby => match task.mode {
                 GuidanceMode::Off => {}
@@ -108,10 +152,16 @@ impl Mission {
             },
             Phase::LiftOff if nav.altimeter_m >= task.lift_off_height_m => self.begin(context),
             Phase::Coast | Phase::Burn => {
-                self.planning.update(vehicle, gravity_m_s2, task, now, nav);
+                if context.outdated {
+                    self.planning.again(&context.situation());
+                } else {
+                    self.planning.update(&context.situation());
+                }
                 let over = self.planning.flown.as_ref().is_none_or(|f| f.time_to_go_s(now) <= 0.0);
                 if nav.any_foot_down || over && !task.terminal_law {
                     self.phase = Phase::CutOff;
+                } else if self.planning.flown.is_none() {
+                    self.phase = Phase::FallBack;
                 } else if over {
                     self.phase = Phase::Terminal;
                     self.braking.engine_on = true;
@@ -127,9 +177,32 @@ impl Mission {
     }
 
     fn begin(&mut self, context: &Context) {
-        let Context { vehicle, task, gravity_m_s2, now, nav, .. } = *context;
-        self.planning.first(vehicle, gravity_m_s2, task, now, nav);
+        let Context { task, nav, faults, .. } = *context;
+        if faults.restarted && task.fault_response {
+            if nav.any_foot_down {
+                self.phase = Phase::CutOff;
+                return;
+            }
+            // Below the gate there is nothing left to plan.
+            if task.terminal_law && nav.altimeter_m <= task.gate_height_m {
+                self.phase = Phase::Terminal;
+                self.braking.engine_on = true;
+                return;
+            }
+        }
+        self.planning.first(&context.situation());
         self.phase = if self.planning.flown.is_some() { Phase::Coast } else { Phase::FallBack };
+    }
+
+    /// Upright, as it should meet the ground and as a restart lifts most, with valves opened again
+    /// and again (G.81): a vehicle that falls has nothing to save its starts for.
+    fn without_engine(&self, context: &Context) -> Orders {
+        let Context { vehicle, task, nav, faults, .. } = *context;
+        let spec = &vehicle.engine;
+        let ignition_s = spec.ignition_delay.seconds() + 3.0 * spec.ignition_lag_s;
+        let open = faults.engine.tries_restart(ignition_s) && !nav.any_foot_down;
+        let thrust_n = if open { task.plan_thrust_max_n } else { 0.0 };
+        Orders { thrust_n, ..Orders::coast(Vector3::z()) }
     }
 
     /// Feed-forward of the plan with feedback on its path (G.30). Commands lead by the engine's
@@ -166,9 +239,8 @@ impl Mission {
     }
 
     fn descend(&mut self, context: &Context, aim: Aim) -> Orders {
-        let Context { vehicle, task, gravity_m_s2, nav, engine, .. } = *context;
-        let braking = &mut self.braking;
-        let demand = descent::demand(vehicle, gravity_m_s2, task, nav, engine, aim, braking);
+        let (situation, engine) = (context.situation(), context.engine);
+        let demand = descent::demand(&situation, engine, aim, &mut self.braking);
         match demand.thrust_acceleration_w {
             Some(acceleration_w) => powered_orders(context, &acceleration_w),
             None => Orders::coast(demand.up_w),

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::attitude::{self, Torquers};
 use crate::disturbance::EngineEstimate;
+use crate::faults::{Evidence, Faults};
 use crate::guard;
-use crate::mission::{Context, Mission, Orders};
+use crate::mission::{Context, Mission, Orders, Phase};
 use crate::navigation::{Actuation, Estimator, Inputs, Navigation, Navigator, Solution};
 
 /// Constant configuration: nominal values only. The truth's initial state, terrain and faults
@@ -32,6 +33,7 @@ pub struct State {
     pub now: Ticks,
     pub mission: Mission,
     engine: EngineEstimate,
+    faults: Faults,
     commands: Commands,
     /// Present where the guidance has a navigator.
     estimator: Option<Estimator>,
@@ -65,15 +67,27 @@ impl Guidance {
         State { estimator: self.navigator.as_ref().map(Navigator::start), ..State::default() }
     }
 
+    /// What a restart finds in memory that outlives it: the time and the filter's state.
+    fn restarted(&self, state: &State) -> State {
+        let faults = Faults::after_restart();
+        State { now: state.now, estimator: state.estimator.clone(), faults, ..State::default() }
+    }
+
     /// What to take for true now.
     fn navigate(&self, state: &mut State, inputs: &Inputs) -> Result<Solution, ModelError> {
         let (Some(navigator), Some(estimator)) = (&self.navigator, &mut state.estimator) else {
-            return Solution::perfect(inputs);
+            let mut solution = Solution::perfect(inputs)?;
+            if state.faults.sensors.altimeter_silent() {
+                // Over the target's level: all that is known of the ground.
+                solution.height_m = solution.position_w.z - self.task.target_w.z;
+            }
+            return Ok(solution);
         };
         let Commands { gimbal_rad, rcs_torque_b, .. } = state.commands;
+        let knows = self.task.fault_response;
         let actuation = Actuation {
             thrust_n: state.engine.thrust_n(),
-            gimbal_rad,
+            gimbal_rad: if knows { state.engine.line_rad().into() } else { gimbal_rad },
             rcs_torque_b: rcs_torque_b.into(),
         };
         navigator.step(estimator, state.now, inputs, &actuation)?;
@@ -84,7 +98,26 @@ impl Guidance {
         Ok(Solution { specific_force_b, ..solution })
     }
 
-    fn orders(&self, state: &mut State, nav: &Navigation) -> Orders {
+    /// Looks for failures in the last step. Whether what plans rest on has changed.
+    fn look(&self, state: &mut State, nav: &Navigation, inputs: &Inputs, duration: Ticks) -> bool {
+        let flies = self.task.mode != GuidanceMode::Off && state.mission.phase != Phase::CutOff;
+        if !self.task.fault_response || !flies {
+            return false;
+        }
+        let before = state.faults.clone();
+        let evidence = Evidence {
+            vehicle: &self.vehicle,
+            nav,
+            rcs_torque_b: state.commands.rcs_torque_b.into(),
+            samples: inputs.samples,
+            perfect: self.navigator.is_none(),
+            duration,
+        };
+        state.faults.observe(&evidence, &mut state.engine);
+        state.faults.outdates(&before)
+    }
+
+    fn orders(&self, state: &mut State, nav: &Navigation, outdated: bool) -> Orders {
         let context = Context {
             vehicle: &self.vehicle,
             task: &self.task,
@@ -92,6 +125,8 @@ impl Guidance {
             now: state.now,
             nav,
             engine: &state.engine,
+            faults: &state.faults,
+            outdated,
         };
         state.mission.step(&context)
     }
@@ -110,15 +145,22 @@ impl Guidance {
             return Ok(StepReport::default());
         }
         let inputs = Inputs::read(inputs);
+        if !inputs.computer_up {
+            let now = state.now + duration;
+            *state = State { now, ..self.restarted(state) };
+            return Ok(StepReport::default());
+        }
         state.solution = self.navigate(state, &inputs)?;
         let nav = Navigation::new(&self.vehicle, &state.solution, inputs.any_foot_down);
         let phase = state.mission.phase;
         if let (true, Some(specific_force_b)) = (self.task.compensation, nav.specific_force_b) {
             state.engine.learn(&specific_force_b, nav.mass.mass_kg, duration);
         }
-        let orders = self.orders(state, &nav);
+        let outdated = self.look(state, &nav, &inputs, duration);
+        let orders = self.orders(state, &nav, outdated);
         let torquers = if orders.hold_attitude && self.task.mode != GuidanceMode::Off {
-            attitude::control(&self.vehicle, &nav, &state.engine, &orders.up_w, &orders.up_rate_w)
+            let (engine, faults) = (&state.engine, &state.faults);
+            attitude::control(&self.vehicle, &nav, engine, faults, &orders.up_w, &orders.up_rate_w)
         } else {
             Torquers::default()
         };
@@ -197,6 +239,8 @@ impl Component for Guidance {
         put(&commands.up_w);
         put(&[to_go_s, propellant_kg]);
         put(&[f64::from(planning.accepted), f64::from(planning.failed)]);
+        put(&[f64::from(state.mission.goal(&state.faults) as u8)]);
+        put(&state.faults.declared().map(|declared| if declared { 1.0 } else { 0.0 }));
         let Solution { sigma, .. } = &state.solution;
         put(state.solution.position_w.as_slice());
         put(state.solution.velocity_w.as_slice());

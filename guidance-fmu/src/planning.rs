@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::descent::Aim;
+use crate::faults::Capability;
 use crate::navigation::Navigation;
 use crate::scvx::{
     self, EngineState, FinalTilt, PathLimits, Plan, Problem, Propulsion, Reserve, Settings,
@@ -23,6 +24,8 @@ const PATH_HEIGHT_MIN_M: f64 = 6.0;
 /// No new plan in the last seconds of the flown one: burns shorter than the attitude loop's
 /// response only disturb it (guidance notes: freeze at 2 s to go).
 const FREEZE_S: f64 = 2.0;
+/// Flight left after a plan, s: from the gate at 8 m/s to the ground.
+const TERMINAL_S: f64 = 4.0;
 /// The planned thrust direction ends within this of the vertical.
 const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
@@ -57,6 +60,25 @@ impl Flown {
     }
 }
 
+/// What a plan is made for.
+#[derive(Clone, Copy)]
+pub struct Situation<'a> {
+    pub vehicle: &'a Vehicle,
+    pub task: &'a Task,
+    pub gravity_m_s2: f64,
+    pub capability: Capability,
+    pub now: Ticks,
+    pub nav: &'a Navigation,
+}
+
+impl Situation<'_> {
+    /// Whether the propellant lasts for a plan and the descent below it (G.90).
+    fn lasts(&self, plan: &Plan) -> bool {
+        let lost_kg = self.capability.loss_kg_s * (plan.duration_s() + TERMINAL_S);
+        lost_kg <= 0.0 || plan.report.propellant_left_kg >= lost_kg
+    }
+}
+
 /// Plans made and missed so far, and when the next is due.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Planning {
@@ -72,14 +94,8 @@ pub struct Planning {
 
 impl Planning {
     /// A first plan: of the target as far as one can be had, with the longest lead that has one.
-    pub fn first(
-        &mut self,
-        vehicle: &Vehicle,
-        gravity_m_s2: f64,
-        task: &Task,
-        now: Ticks,
-        nav: &Navigation,
-    ) {
+    pub fn first(&mut self, situation: &Situation) {
+        let Situation { task, now, .. } = *situation;
         let hop = task.mode == GuidanceMode::Hop;
         let leads: &[Ticks] = if hop { &HOP_LEADS } else { &DESCENT_LEADS };
         // A hop has burnt since its lift-off, at time zero; a descent begins unlit.
@@ -87,7 +103,7 @@ impl Planning {
         let engine = if hop { lit } else { EngineState::default() };
         for terminal in FALL_BACKS {
             for lead in leads {
-                let nominal = problem(vehicle, gravity_m_s2, task, nav, lead.seconds(), terminal);
+                let nominal = problem(situation, lead.seconds(), terminal);
                 let problem = Problem { engine, ..nominal };
                 let start = now + *lead;
                 let answer = scvx::solve(&problem, &Settings::default());
@@ -113,26 +129,37 @@ impl Planning {
 
     /// A new plan from here when one is due. When it fails, the last one stays in force for a while;
     /// then less of the target is asked for.
-    pub fn update(
-        &mut self,
-        vehicle: &Vehicle,
-        gravity_m_s2: f64,
-        task: &Task,
-        now: Ticks,
-        nav: &Navigation,
-    ) {
+    pub fn update(&mut self, situation: &Situation) {
+        let Situation { now, .. } = *situation;
         let Some(flown) = &self.flown else { return };
         if now < self.next_due || flown.time_to_go_s(now) < FREEZE_S {
             return;
         }
+        self.replan(situation, self.terminal, FAILED_IN_A_ROW_MAX);
+    }
+
+    /// A new plan at once, since the last one can't be flown any more: of the target as far as one
+    /// can be had. With none, there is nothing left to follow.
+    pub fn again(&mut self, situation: &Situation) {
+        let accepted = self.accepted;
+        self.replan(situation, Terminal::Point, 0);
+        if self.accepted == accepted {
+            self.flown = None;
+        }
+    }
+
+    /// Asks for ever less from `asked_for` on, once more than `patience` plans have failed in a row.
+    fn replan(&mut self, situation: &Situation, asked_for: Terminal, patience: u32) {
+        let Situation { task, now, .. } = *situation;
         self.next_due = now + task.replan_period;
-        let asked_for = self.terminal;
         for terminal in FALL_BACKS.into_iter().skip_while(|&terminal| terminal != asked_for) {
             let Some(flown) = &self.flown else { return };
-            let problem = problem(vehicle, gravity_m_s2, task, nav, 0.0, terminal);
+            let problem = problem(situation, 0.0, terminal);
             let answer =
                 scvx::replan(&problem, &Settings::default(), &flown.plan, flown.elapsed_s(now));
-            if self.take(answer, now, terminal) || self.failed_in_a_row <= FAILED_IN_A_ROW_MAX {
+            if terminal == Terminal::Point && answer.as_ref().is_ok_and(|p| !situation.lasts(p)) {
+                self.failed += 1;
+            } else if self.take(answer, now, terminal) || self.failed_in_a_row <= patience {
                 return;
             }
         }
@@ -162,20 +189,16 @@ impl Planning {
 const FALL_BACKS: [Terminal; 3] = [Terminal::Point, Terminal::Anywhere, Terminal::SoftestImpact];
 
 /// The landing problem from `lead_s` of free fall ahead of now to the gate above the target.
-fn problem(
-    vehicle: &Vehicle,
-    gravity_m_s2: f64,
-    task: &Task,
-    nav: &Navigation,
-    lead_s: f64,
-    terminal: Terminal,
-) -> Problem {
+fn problem(situation: &Situation, lead_s: f64, terminal: Terminal) -> Problem {
+    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, .. } = *situation;
     let fall_w = Vector3::z() * -gravity_m_s2;
     let r0_w = nav.position_w + nav.velocity_w * lead_s + fall_w * (0.5 * lead_s * lead_s);
     let v0_w = nav.velocity_w + fall_w * lead_s;
-    let (r_f_w, v_f_w) = gate(task, nav);
+    let braking_m_s2 = capability.terminal_deceleration_m_s2(task, nav.mass.mass_kg, gravity_m_s2);
+    let thrust_max_n = capability.ceiling_n(terminal);
+    let (r_f_w, v_f_w) = gate(task, nav, braking_m_s2);
     // The terminal law's own need: the gate's speed, and gravity for as long as it brakes.
-    let braking_s = v_f_w.norm() / task.terminal_deceleration_m_s2;
+    let braking_s = v_f_w.norm() / braking_m_s2;
     let reserve_kg = nav.mass.mass_kg * (v_f_w.norm() + gravity_m_s2 * braking_s)
         / (vehicle.engine.isp_s * G0_M_S2);
     let lowest_m = r_f_w.z.min(task.target_w.z + nav.mass.com_b.z + PATH_HEIGHT_MIN_M);
@@ -191,8 +214,8 @@ fn problem(
         dry_mass_kg: (vehicle.mass.dry.mass_kg + reserve_kg).min(nav.mass.mass_kg),
         gravity_m_s2,
         isp_s: vehicle.engine.isp_s,
-        thrust_min_n: task.plan_thrust_min_n,
-        thrust_max_n: task.plan_thrust_max_n,
+        thrust_min_n: capability.plan_thrust_min_n,
+        thrust_max_n,
         thrust_rate_max_n_s: None,
         propulsion: PROPULSION,
         engine: EngineState::default(),
@@ -202,8 +225,8 @@ fn problem(
             intervals: FINAL_TILT_INTERVALS,
         }),
         reserve: Some(Reserve {
-            thrust_max_n: RESERVE_SHARE * vehicle.engine.thrust_max_n
-                + (1.0 - RESERVE_SHARE) * task.plan_thrust_max_n,
+            thrust_max_n: RESERVE_SHARE * capability.thrust_max_n
+                + (1.0 - RESERVE_SHARE) * thrust_max_n,
             tilt_max_rad: task.tilt_max_rad + RESERVE_TILT_RAD,
         }),
         path: PathLimits { glide_slope_rad: None, altitude_min_m: Some(lowest_m) },
@@ -212,13 +235,12 @@ fn problem(
 
 /// Centre-of-mass state at which the terminal law takes over: above the target, with the speed
 /// that its deceleration takes off down to the cut-off height (G.33).
-pub fn gate(task: &Task, nav: &Navigation) -> (Vector3<f64>, Vector3<f64>) {
+fn gate(task: &Task, nav: &Navigation, braking_m_s2: f64) -> (Vector3<f64>, Vector3<f64>) {
     let com_height_m = nav.mass.com_b.z;
     let gate_height_m = if task.terminal_law { task.gate_height_m } else { task.cutoff_height_m };
     let position_w = task.target_w + Vector3::z() * (gate_height_m + com_height_m);
     let braking_m = (gate_height_m - task.cutoff_height_m).max(0.0);
-    let speed_m_s =
-        (task.cutoff_speed_m_s.powi(2) + 2.0 * task.terminal_deceleration_m_s2 * braking_m).sqrt();
+    let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * braking_m_s2 * braking_m).sqrt();
     (position_w, Vector3::z() * -speed_m_s)
 }
 
@@ -243,10 +265,20 @@ mod tests {
         Navigation::read(vehicle, &inputs).unwrap()
     }
 
+    fn situation<'a>(
+        scenario: &'a Scenario,
+        vehicle: &'a Vehicle,
+        now: Ticks,
+        nav: &'a Navigation,
+    ) -> Situation<'a> {
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        let capability = Capability::nominal(task, vehicle);
+        Situation { vehicle, task, gravity_m_s2, capability, now, nav }
+    }
+
     #[test]
     fn a_first_plan_asks_for_less_where_the_target_cannot_be_had() {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
-        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
         // Across 100 m, 3 km with little propellant, and with too little to stop at all: free fall
         // to the ground is 47 m/s, and 2 kg are 25 m/s.
         for (across_m, propellant_kg, terminal) in [
@@ -256,7 +288,7 @@ mod tests {
         ] {
             let mut planning = Planning::default();
             let nav = falling(&vehicle, across_m, propellant_kg);
-            planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+            planning.first(&situation(&scenario, &vehicle, Ticks(0), &nav));
             assert!(planning.flown.is_some(), "{terminal:?}");
             assert_eq!(planning.terminal, terminal);
         }
@@ -265,21 +297,21 @@ mod tests {
     #[test]
     fn the_last_plan_is_flown_until_it_has_failed_too_often() {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
-        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        let task = &scenario.guidance;
         let mut planning = Planning::default();
         let nav = falling(&vehicle, 100.0, 70.0);
-        planning.first(&vehicle, gravity_m_s2, task, Ticks(0), &nav);
+        planning.first(&situation(&scenario, &vehicle, Ticks(0), &nav));
         let first = planning.flown.clone().unwrap().plan;
         // Suddenly 3 km away: the target is out of reach.
         let astray = falling(&vehicle, 3000.0, 10.0);
         let mut now = planning.next_due;
         for failed in 1..=FAILED_IN_A_ROW_MAX {
-            planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+            planning.update(&situation(&scenario, &vehicle, now, &astray));
             assert_eq!(planning.failed_in_a_row, failed);
             assert_eq!(planning.flown.as_ref().unwrap().plan, first);
             now = planning.next_due;
         }
-        planning.update(&vehicle, gravity_m_s2, task, now, &astray);
+        planning.update(&situation(&scenario, &vehicle, now, &astray));
         assert_eq!((planning.terminal, planning.failed_in_a_row), (Terminal::Anywhere, 0));
         assert!(matches!(planning.aim(task), Aim::Target(site_w) if site_w.x > 2000.0));
     }

@@ -9,6 +9,9 @@ pub const FOOT_SLOTS: usize = 6;
 /// Sensors in `sensor_valid` and `sensor_samples` (`scenario::PerSensor` has their order).
 pub const SENSOR_SLOTS: usize = 6;
 
+/// Failures in `fault_declared`.
+pub const FAULT_SLOTS: usize = 7;
+
 /// One named signal of `size` scalars.
 #[derive(Clone, Copy, Debug)]
 pub struct Signal {
@@ -136,6 +139,11 @@ pub const ALTIMETER_M: Signal =
     scalar("altimeter_m", "m", "Height of the structural origin O above the ground below it");
 pub const FOOT_CONTACT: Signal =
     vector("foot_contact", FOOT_SLOTS, "1", "Leg probe: 1 while the footpad touches the ground");
+
+pub const COMPUTER_UP: Signal = Signal {
+    start: 1.0,
+    ..scalar("computer_up", "1", "1; 0 while the computer restarts and no command gets through")
+};
 
 // Raw readings, for a navigation filter.
 pub const IMU_SPECIFIC_FORCE_B: Signal = vector(
@@ -319,6 +327,7 @@ pub const TRUTH: Interface = Interface {
         LANDMARK_POSITION_W,
         SENSOR_VALID,
         SENSOR_SAMPLES,
+        COMPUTER_UP,
     ],
 };
 
@@ -343,6 +352,7 @@ pub const GUIDANCE: Interface = Interface {
         LANDMARK_POSITION_W,
         SENSOR_VALID,
         SENSOR_SAMPLES,
+        COMPUTER_UP,
     ],
     outputs: &[
         THRUST_COMMAND_N,
@@ -360,6 +370,14 @@ pub const GUIDANCE: Interface = Interface {
         scalar("plan_propellant_kg", "kg", "Propellant that the rest of the plan needs"),
         scalar("plans_accepted", "1", "Plans accepted so far"),
         scalar("plans_failed", "1", "Solves that failed so far"),
+        scalar("goal", "1", "0 target, 1 anywhere, 2 softest_impact, 3 below, 4 upright"),
+        vector(
+            "fault_declared",
+            FAULT_SLOTS,
+            "1",
+            "1 while declared: engine out, engine weak, gimbal seized, thruster pair stuck, \
+             propellant lost, sensor silent, restarted without memory",
+        ),
         // What guidance takes for true at the start of the last step: the filter's estimate, or
         // with perfect navigation the truth with no deviations.
         vector("nav_position_w", 3, "m", "Position of O taken for true, world frame"),

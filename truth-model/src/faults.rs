@@ -63,7 +63,7 @@ impl Damage {
 /// The command that reaches the actuators: `last` is the one in force before.
 pub fn command_in_force(faults: &Faults, now: Ticks, asked: &Command, last: &Command) -> Command {
     match faults.computer_reset {
-        Some(fault) if during(now, fault.onset, fault.duration) => match fault.commands {
+        Some(fault) if faults.computer_resets(now) => match fault.commands {
             ResetCommands::Zero => Command::default(),
             ResetCommands::Held => *last,
         },

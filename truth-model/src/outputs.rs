@@ -116,6 +116,7 @@ impl TruthModel {
         put("landmark_position_w", readings.landmark.value.as_slice());
         put("sensor_valid", &readings.valid().to_array().map(flag));
         put("sensor_samples", &readings.samples().to_array().map(|count| count as f64));
+        put("computer_up", &[flag(!self.scenario().faults.computer_resets(state.now))]);
     }
 }
 

@@ -4,6 +4,7 @@
 //! with equal rows leave equal files whoever produced them.
 
 pub mod descents;
+pub mod failures;
 pub mod flight;
 pub mod landing;
 pub mod layout;

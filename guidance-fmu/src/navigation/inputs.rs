@@ -30,6 +30,8 @@ pub struct Inputs {
     pub valid: PerSensor<bool>,
     /// That arrived so far.
     pub samples: PerSensor<f64>,
+    /// Commands get through.
+    pub computer_up: bool,
 }
 
 /// Means over one period of the IMU.
@@ -59,6 +61,7 @@ impl Inputs {
         let landmark_w = reader.take::<3>().into();
         let valid: [f64; SENSOR_SLOTS] = reader.take();
         let samples = reader.take();
+        let [computer_up] = reader.take();
         debug_assert_eq!(reader.at, GUIDANCE.input_len());
         Self {
             position_w,
@@ -76,6 +79,7 @@ impl Inputs {
             landmark_w,
             valid: PerSensor::from_array(valid.map(|flag| flag > 0.5)),
             samples: PerSensor::from_array(samples),
+            computer_up: computer_up > 0.5,
         }
     }
 

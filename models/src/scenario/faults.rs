@@ -132,6 +132,12 @@ impl Faults {
         self.onsets().filter(|onset| now >= *onset).count()
     }
 
+    /// Whether the computer is restarting.
+    pub fn computer_resets(&self, now: Ticks) -> bool {
+        self.computer_reset
+            .is_some_and(|fault| now >= fault.onset && now < fault.onset + fault.duration)
+    }
+
     pub fn sensor_failed(&self, now: Ticks, sensor: Sensor) -> bool {
         self.sensor_failure.is_some_and(|fault| fault.sensor == sensor && now >= fault.onset)
     }

@@ -35,6 +35,8 @@ pub struct Guidance {
     pub tracking: bool,
     /// Whether the plan ends at the gate and the terminal law lands; else it ends at cut-off.
     pub terminal_law: bool,
+    /// Whether failures are looked for and answered.
+    pub fault_response: bool,
     /// Height of O above the target at which the plan ends and the terminal law begins.
     pub gate_height_m: f64,
     /// Planned deceleration of the vertical terminal descent.
@@ -81,6 +83,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
         compensation: s.choice("compensation", &["on", "off"])? == "on",
         tracking: s.choice("tracking", &["on", "off"])? == "on",
         terminal_law: s.choice("terminal_law", &["on", "off"])? == "on",
+        fault_response: s.choice("fault_response", &["on", "off"])? == "on",
         replan_period: Ticks::from_seconds(replan_s)
             .map_err(|error| s.error("replan_period", error.to_string()))?,
         gate_height_m: s.number_or("gate_height", "m", Limit::Positive, 12.0)?,
