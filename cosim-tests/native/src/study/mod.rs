@@ -40,6 +40,6 @@ pub enum StudyError {
     Foreign { file: PathBuf, found: String, expected: String },
     #[error("{}: runs {first} to {last} have no shard yet", folder.display())]
     Missing { folder: PathBuf, first: u64, last: u64 },
-    #[error("{}: cannot be written: {source}", file.display())]
-    Parquet { file: PathBuf, source: parquet::errors::ParquetError },
+    #[error("{}: cannot be written: {reason}", file.display())]
+    Parquet { file: PathBuf, reason: String },
 }
