@@ -21,3 +21,4 @@ pub mod svg;
 pub mod telemetry;
 pub mod touchdowns;
 pub mod verdict;
+pub mod whole_file;

@@ -26,8 +26,8 @@ pub use file::{Kind, Study};
 pub enum StudyError {
     #[error(transparent)]
     Config(#[from] ConfigError),
-    #[error("{}: {place}: `{key}` drawn as {drawn}: {reason}", file.display())]
-    Draw { file: PathBuf, place: String, key: String, drawn: String, reason: String },
+    #[error("{}: {place}: {what}: {reason}", file.display())]
+    Draw { file: PathBuf, place: String, what: String, reason: String },
     #[error("{}: has {runs} runs, the first is 0: there is no run {run}", file.display())]
     NoSuchRun { file: PathBuf, run: u64, runs: u64 },
     #[error("{}: {source}", file.display())]

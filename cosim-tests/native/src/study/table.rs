@@ -17,7 +17,8 @@ use parquet::schema::types::{Type, TypePtr};
 use super::StudyError;
 use super::campaign::Campaign;
 use super::row::{Columns, Content};
-use super::shard::{VERSION, temporary};
+use super::shard::VERSION;
+use crate::whole_file::temporary;
 
 /// Rows of a row group: it is what the merge holds in memory.
 const GROUP_ROWS: usize = 10_000;
