@@ -18,6 +18,7 @@ use crate::schedule::{Schedule, ScheduleError};
 use crate::study::StudyError;
 use crate::touchdowns::TouchdownsError;
 use crate::verdict::Verdict;
+use crate::whole_file;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -235,9 +236,7 @@ fn remove(file: &Path) -> Result<(), Error> {
 
 /// A reader never sees half a file.
 pub fn write_whole(file: &Path, text: &str) -> Result<(), Error> {
-    let part = file.with_added_extension("part");
-    fs::write(&part, text)
-        .and_then(|()| fs::rename(&part, file))
+    whole_file::write(file, text.as_bytes())
         .map_err(|source| Error::File { file: file.to_owned(), source })
 }
 

@@ -25,3 +25,4 @@ pub mod telemetry;
 pub mod touchdowns;
 pub mod urdf;
 pub mod verdict;
+pub mod whole_file;

@@ -289,15 +289,17 @@ pub fn place(scenario: Scenario, vehicle: &Vehicle, case: &Case) -> TruthModel {
 
 /// What a scenario has of a case: its site and propellant. Upright and without speed.
 pub fn case_of(scenario: &Scenario) -> Case {
-    let mut case = [0.0; COLUMNS.len()];
     let terrain = &scenario.terrain;
-    case[0] = scenario.initial.propellant_kg;
-    case[1] = scenario.gravity_m_s2;
-    case[11] = terrain.slope_rad.to_degrees();
-    case[12] = terrain.downhill_rad.to_degrees();
-    case[13] = terrain.friction;
-    case[14] = f64::from(u8::from(terrain.pads_captured));
-    case
+    let of_scenario = |column| match column {
+        "propellant_kg" => scenario.initial.propellant_kg,
+        "gravity_m_s2" => scenario.gravity_m_s2,
+        "slope_deg" => terrain.slope_rad.to_degrees(),
+        "downhill_deg" => terrain.downhill_rad.to_degrees(),
+        "friction" => terrain.friction,
+        "captured" => f64::from(u8::from(terrain.pads_captured)),
+        _ => 0.0,
+    };
+    COLUMNS.map(|(column, _)| of_scenario(column))
 }
 
 /// The scenario with the site and start of a case, O at the world's origin.

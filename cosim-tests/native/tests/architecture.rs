@@ -50,6 +50,9 @@ fn each_engine_is_named_in_one_place() {
     assert!(naming("rapier3d_f64").iter().all(|path| path.starts_with(rapier)));
     assert_eq!(naming("clarabel::"), ["guidance-fmu/src/scvx/conic.rs"]);
     assert_eq!(naming("foxglove::"), ["cosim-tests/native/src/recorder.rs"]);
+    // Its test reads the file back.
+    let parquet = ["cosim-tests/native/src/study/table.rs", "cosim-tests/native/tests/campaign.rs"];
+    assert_eq!(naming("parquet::"), parquet);
 }
 
 #[test]

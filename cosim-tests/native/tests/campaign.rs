@@ -122,6 +122,50 @@ fn the_table_does_not_depend_on_threads_shards_or_jobs() {
 }
 
 #[test]
+fn the_batch_file_runs_an_array_s_parts_and_the_merge() {
+    let (folder, whole) = (empty_folder("batch"), empty_folder("batch-whole"));
+    fs::write(folder.join("study.toml"), text()).unwrap();
+    let batch = |task: Option<&str>| {
+        let mut command = Command::new("bash");
+        command
+            .arg(root().join("cosim-tests/slurm/campaign.sbatch"))
+            .args(["study.toml", "out"])
+            .env("LANDER", env!("CARGO_BIN_EXE_lander"))
+            .env_remove("SLURM_ARRAY_TASK_ID")
+            .current_dir(&folder);
+        if let Some(task) = task {
+            command.envs([("SLURM_ARRAY_TASK_ID", task), ("SLURM_ARRAY_TASK_COUNT", "2")]);
+        }
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        shards(&folder).len()
+    };
+    assert_eq!([batch(Some("2")), batch(Some("1"))], [3, 6]);
+    assert!(!folder.join("out/drops/results.csv").exists());
+    batch(None);
+    let merged = fs::read_to_string(folder.join("out/drops/results.csv")).unwrap();
+    assert_eq!(merged, table(&whole, &text(), &[]));
+}
+
+#[test]
+fn a_landing_alone_leaves_a_log_too() {
+    let folder = empty_folder("landing");
+    let scenario = root().join("models/scenarios/monte-carlo.toml");
+    let text = format!(
+        "name = \"fall\"\nkind = \"landing\"\nscenario = \"{}\"\n\
+         runs = {{ value = 2, unit = \"1\" }}\n[[design]]\nkey = \"scenario.run.stop_time\"\n\
+         distribution = \"constant\"\nvalue = {{ value = 2.0, unit = \"s\" }}\n",
+        scenario.display()
+    );
+    let output = lander(&folder, &text, &["--run", "1", "--log", "run.mcap", "--json"]);
+    let row: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&row["outcome"], &row["end_time_s"]), (&"no_contact".into(), &2.0.into()));
+    assert!(row["plans_accepted"].as_f64().unwrap() > 0.0);
+    let log = fs::read(folder.join("run.mcap")).unwrap();
+    assert!(log.ends_with(b"\x89MCAP0\r\n") && log.len() > 10_000);
+}
+
+#[test]
 fn a_run_alone_is_its_row_and_leaves_a_log() {
     let folder = empty_folder("alone");
     let table = table(&folder, &text(), &[]);

@@ -100,6 +100,8 @@ fn sobol_s_layout_gives_the_variance_to_its_cause() {
     let head = "runs = { value = 80, unit = \"1\" }\nsampling = \"sobol\"";
     let folder = study("sobol", head);
     let summary = json(&folder, &["campaign", "study.toml", "--out", "out", "--json"]);
+    // Outcomes and bounds are of the independent runs, A and B of each row.
+    assert_eq!((&summary["runs"], &summary["groups"][0]["runs"]), (&80.into(), &40.into()));
     let found = about_stability(&summary, "sobol");
     let total = |name: &str| {
         let entry = found.iter().find(|(parameter, _)| *parameter == name).unwrap().1;

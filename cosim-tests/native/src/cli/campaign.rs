@@ -1,5 +1,6 @@
 //! `lander campaign`: a study to its tables, or one of its runs alone.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -71,7 +72,14 @@ impl Campaign {
         let flag = Arc::clone(&interrupted);
         ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
         match campaign.run(self.shard, self.threads, &interrupted)? {
-            End::Interrupted => Ok(INTERRUPTED),
+            End::Interrupted => {
+                // Nobody has to listen.
+                let _ = writeln!(
+                    std::io::stderr(),
+                    "interrupted: finished shards are kept, the same command goes on from them"
+                );
+                Ok(INTERRUPTED)
+            }
             End::Part => Ok(OK),
             End::Whole => {
                 table::merge(&campaign)?;

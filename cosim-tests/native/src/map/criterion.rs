@@ -18,14 +18,27 @@ pub struct Tips {
 
 /// Of a vehicle that stands on a case's slope with its heading, and moves with its velocity.
 pub fn tips(vehicle: &Vehicle, case: &Case) -> Tips {
-    let [propellant_kg, gravity_m_s2, down_m_s, across_m_s, travel_deg, ..] = *case;
-    let (slope_rad, downhill_rad) = (case[11].to_radians(), case[12].to_radians());
+    let [
+        propellant_kg,
+        gravity_m_s2,
+        down_m_s,
+        across_m_s,
+        travel_deg,
+        roll_deg,
+        pitch_deg,
+        yaw_deg,
+        _rate_x,
+        _rate_y,
+        _rate_z,
+        slope_deg,
+        downhill_deg,
+        ..,
+    ] = *case;
+    let (slope_rad, downhill_rad) = (slope_deg.to_radians(), downhill_deg.to_radians());
     let mass = vehicle.mass.at(propellant_kg);
-    let heading_wb = {
-        let [roll, pitch, yaw] = [case[5], case[6], case[7]];
-        let forward = attitude_from_roll_pitch_yaw_deg([roll, pitch, yaw]) * Vector3::x();
-        attitude_from_roll_pitch_yaw_deg([0.0, 0.0, forward.y.atan2(forward.x).to_degrees()])
-    };
+    let forward_w = attitude_from_roll_pitch_yaw_deg([roll_deg, pitch_deg, yaw_deg]) * Vector3::x();
+    let heading_deg = forward_w.y.atan2(forward_w.x).to_degrees();
+    let heading_wb = attitude_from_roll_pitch_yaw_deg([0.0, 0.0, heading_deg]);
     let com_w = heading_wb * mass.com_b;
     let feet_w: Vec<Vector3<f64>> = vehicle.gear.feet_b().map(|foot| heading_wb * foot).collect();
     let towards = |azimuth_rad: f64| Vector3::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0);

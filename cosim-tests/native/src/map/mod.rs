@@ -15,7 +15,7 @@ use crate::landing::Error;
 use crate::progress::Count;
 use crate::study::run::World;
 use crate::study::{Study, StudyError};
-use crate::touchdowns::{self, COLUMNS, Case};
+use crate::touchdowns;
 use criterion::Tips;
 use file::{Map, MapCase, Near};
 use refine::{Point, Refined, Sample, refine};
@@ -103,8 +103,7 @@ impl<'a> Atlas<'a> {
             let evaluate = |points: &[Point]| {
                 let all = points.par_iter().map(|point| {
                     let [across_m_s, down_m_s] = self.velocity_m_s(*point);
-                    let state = case.at(&self.world.case, across_m_s, down_m_s);
-                    let touchdown = self.touch_down(&state);
+                    let touchdown = self.touch_down(case, across_m_s, down_m_s);
                     progress.one_more();
                     touchdown
                 });
@@ -118,9 +117,15 @@ impl<'a> Atlas<'a> {
         Ok(mapped?)
     }
 
-    fn touch_down(&self, state: &Case) -> Result<Touchdown, ModelError> {
-        let World { scenario, vehicle, .. } = &self.world;
-        let model = touchdowns::place(scenario.clone(), vehicle, state);
+    fn touch_down(
+        &self,
+        case: &MapCase,
+        across_m_s: f64,
+        down_m_s: f64,
+    ) -> Result<Touchdown, ModelError> {
+        let World { scenario, vehicle, case: nominal } = &self.world;
+        let state = case.at(nominal, across_m_s, down_m_s);
+        let model = touchdowns::place(scenario.clone(), vehicle, &state);
         let (_, outputs) = touchdowns::settle(&model)?;
         let value = |name| TRUTH.output_offset(name).map_or(f64::NAN, |offset| outputs[offset]);
         let outcome = Outcome::from_code(value("outcome")).unwrap_or_default();
@@ -128,15 +133,15 @@ impl<'a> Atlas<'a> {
         let stroke_max_m = vehicle.gear.legs.iter().map(|leg| leg.strut_stroke_max_m());
         let stroke_max_m = stroke_max_m.fold(f64::INFINITY, f64::min);
         let mut touchdown = Touchdown {
-            across_m_s: state[column("across_m_s")],
-            down_m_s: state[column("down_m_s")],
+            across_m_s,
+            down_m_s,
             outcome,
             tip_energy_margin_j: value("tip_energy_margin_j"),
             stability_distance_m: value("stability_distance_m"),
             peak_stroke_m: value("peak_stroke_m"),
             clearance_m: value("least_hull_clearance_m").min(value("least_nozzle_clearance_m")),
             tips_after_s: value("tip_time_s") - value("contact_time_s"),
-            criteria: criterion::tips(vehicle, state),
+            criteria: criterion::tips(vehicle, &state),
             nearness: f64::INFINITY,
         };
         touchdown.nearness = nearness(&touchdown, near, stroke_max_m);
@@ -159,9 +164,4 @@ fn nearness(t: &Touchdown, near: &Near, stroke_max_m: f64) -> f64 {
                 .min(stroke_left_m / near.stroke_m)
         }
     }
-}
-
-/// Position of a column of the contact state; the names are the table's own.
-fn column(name: &str) -> usize {
-    COLUMNS.iter().position(|(column, _)| *column == name).unwrap_or_default()
 }

@@ -21,6 +21,13 @@ pub fn page(campaign: &Campaign, data: &Data, summary: &Summary) -> Page {
         Kind::Touchdown => "touchdowns from a state at contact to rest, engine off",
     };
     page.paragraph(&format!("{} {what}.", summary.runs));
+    if let Some(layout) = study.sobol_layout() {
+        page.paragraph(&format!(
+            "They are laid out for Sobol' indices, {} to a row. Tables of outcomes and results and the rank \
+             correlations take the first two of each row, which are independent.",
+            layout.matrices
+        ));
+    }
     inputs(&mut page, study);
     page.heading("Outcomes");
     outcomes(&mut page, summary);

@@ -86,8 +86,12 @@ impl Page {
 
     /// What every study's page ends with.
     pub fn study_file(&mut self, study: &Study) {
-        self.heading("The study file");
-        self.folded(&format!("{}.toml", study.name), &study.text);
+        self.heading("The files");
+        self.folded(&format!("{}.toml, the study", study.name), &study.text);
+        let [scenario, vehicle] = [&study.scenario_file, &study.vehicle_file]
+            .map(|file| file.file_name().unwrap_or_default().to_string_lossy());
+        self.folded(&format!("{scenario}, the scenario as read"), &study.scenario.to_string());
+        self.folded(&format!("{vehicle}, the vehicle as read"), &study.vehicle.to_string());
     }
 
     pub fn to_html(&self) -> String {

@@ -43,6 +43,20 @@ impl Data {
         Ok(data)
     }
 
+    /// The runs for which `keep` holds.
+    pub fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
+        fn of<T: Clone>(values: &[T], keep: impl Fn(usize) -> bool) -> Vec<T> {
+            let kept = values.iter().enumerate().filter(|(run, _)| keep(*run));
+            kept.map(|(_, value)| value.clone()).collect()
+        }
+        let column = |(name, values): &(String, Vec<f64>)| (name.clone(), of(values, &keep));
+        Self {
+            outcomes: of(&self.outcomes, &keep),
+            failures: of(&self.failures, &keep),
+            numbers: self.numbers.iter().map(column).collect(),
+        }
+    }
+
     /// A column of numbers by name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.numbers.iter().find(|(column, _)| column == name).map(|(_, values)| values.as_slice())

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use lander_models::quantity::{ConfigError, Limit, Section};
+use lander_models::{Scenario, Vehicle};
 use sha2::{Digest, Sha256};
 use toml::{Table, Value as Toml};
 
@@ -166,6 +167,8 @@ impl Study {
 
     /// Tries every parameter at the ends of its distribution, those of its failure mode in their middle.
     fn check(&self) -> Result<(), StudyError> {
+        let vehicle = Vehicle::of(&self.vehicle_file, self.vehicle.clone())?;
+        Scenario::of(&self.scenario_file, self.scenario.clone(), &vehicle)?;
         self.realise(&[]).map_err(|refused| refused.at(self, "before any draw"))?;
         let alone = self.parameters.iter().map(std::slice::from_ref);
         let modes = self.failures.modes.iter().map(|mode| mode.parameters.as_slice());

@@ -26,8 +26,8 @@ pub use file::{Kind, Study};
 pub enum StudyError {
     #[error(transparent)]
     Config(#[from] ConfigError),
-    #[error("{}: {place}: `{key}` drawn as {drawn}: {reason}", file.display())]
-    Draw { file: PathBuf, place: String, key: String, drawn: String, reason: String },
+    #[error("{}: {place}: {what}: {reason}", file.display())]
+    Draw { file: PathBuf, place: String, what: String, reason: String },
     #[error("{}: has {runs} runs, the first is 0: there is no run {run}", file.display())]
     NoSuchRun { file: PathBuf, run: u64, runs: u64 },
     #[error("{}: {source}", file.display())]
@@ -40,6 +40,6 @@ pub enum StudyError {
     Foreign { file: PathBuf, found: String, expected: String },
     #[error("{}: runs {first} to {last} have no shard yet", folder.display())]
     Missing { folder: PathBuf, first: u64, last: u64 },
-    #[error("{}: cannot be written: {source}", file.display())]
-    Parquet { file: PathBuf, source: parquet::errors::ParquetError },
+    #[error("{}: cannot be written: {reason}", file.display())]
+    Parquet { file: PathBuf, reason: String },
 }

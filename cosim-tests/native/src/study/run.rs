@@ -36,15 +36,15 @@ pub struct World {
 
 /// A draw that cannot be.
 pub struct Refused {
-    key: String,
-    drawn: String,
+    /// The key, and what was drawn for it if it was.
+    what: String,
     reason: String,
 }
 
 impl Refused {
     pub fn at(self, study: &Study, place: impl Into<String>) -> StudyError {
-        let Self { key, drawn, reason } = self;
-        StudyError::Draw { file: study.file.clone(), place: place.into(), key, drawn, reason }
+        let Self { what, reason } = self;
+        StudyError::Draw { file: study.file.clone(), place: place.into(), what, reason }
     }
 }
 
@@ -120,8 +120,7 @@ impl Study {
     pub fn realise(&self, draws: &[Draw]) -> Result<World, Refused> {
         let mut files = Files { scenario: self.scenario.clone(), vehicle: self.vehicle.clone() };
         let refused = |(parameter, value): &Draw, reason| Refused {
-            key: parameter.key.clone(),
-            drawn: value.to_string(),
+            what: format!("`{}` drawn as {value}", parameter.key),
             reason,
         };
         for draw in draws {
@@ -136,9 +135,7 @@ impl Study {
             let guilty = draws.iter().find(|(p, _)| text.contains(&p.path_in_file()));
             match guilty.or(draws.last()) {
                 Some(draw) => refused(draw, text),
-                None => {
-                    Refused { key: "scenario".to_owned(), drawn: "is".to_owned(), reason: text }
-                }
+                None => Refused { what: "the scenario".to_owned(), reason: text },
             }
         };
         let vehicle = Vehicle::of(&self.vehicle_file, files.vehicle).map_err(blame)?;
@@ -154,10 +151,10 @@ impl Study {
             }
             touchdowns::check(&case, &vehicle).map_err(|(column, reason)| {
                 let guilty = draws.iter().find(|(p, _)| p.key.ends_with(column));
-                let (key, drawn) = guilty.map_or((column.to_owned(), "is".to_owned()), |(p, v)| {
-                    (p.key.clone(), v.to_string())
-                });
-                Refused { key, drawn, reason }
+                match guilty {
+                    Some(draw) => refused(draw, reason),
+                    None => Refused { what: format!("`case.{column}`"), reason },
+                }
             })?;
         }
         Ok(World { scenario, vehicle, case })

@@ -1,10 +1,8 @@
 //! A shard: the rows of a block of runs in a file of their own. It is there whole or not at all, so a
 //! campaign that is killed, anywhere, goes on from the shards it finds.
 
-use std::collections::hash_map::RandomState;
-use std::fs::{self, File};
-use std::hash::{BuildHasher, Hasher};
-use std::io::{ErrorKind, Write};
+use std::fs;
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +11,7 @@ use sha2::{Digest, Sha256};
 use super::StudyError;
 use super::file::Study;
 use crate::landing::hexadecimal;
+use crate::whole_file;
 
 /// Of the rows: they may differ from one version of the software to the next.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -74,32 +73,11 @@ impl Shard {
             body.push('\n');
         }
         let text = format!("# {} rows {}\n{body}", self.origin, sha256(&body));
-        write_whole(&self.file, text.as_bytes())
+        whole_file::write(&self.file, text.as_bytes())
+            .map_err(|source| StudyError::File { file: self.file.clone(), source })
     }
 }
 
 fn sha256(text: &str) -> String {
     hexadecimal(&Sha256::digest(text))
-}
-
-/// A name beside `file` that no other process has, on this machine or another.
-pub fn temporary(file: &Path) -> PathBuf {
-    let random = RandomState::new().build_hasher().finish();
-    file.with_added_extension(format!("{random:016x}.part"))
-}
-
-/// Writes a file that is there whole or not at all, also for a reader on another machine.
-pub fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    let part = temporary(file);
-    let written = File::create(&part).and_then(|mut open| {
-        open.write_all(bytes)?;
-        // A full disk may say so only now.
-        open.sync_all()?;
-        fs::rename(&part, file)
-    });
-    written.map_err(|source| {
-        // Nothing half-written stays; what failed first is the error to tell.
-        let _ = fs::remove_file(&part);
-        StudyError::File { file: file.to_owned(), source }
-    })
 }

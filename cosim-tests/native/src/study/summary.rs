@@ -113,6 +113,11 @@ pub struct Share {
 impl Summary {
     pub fn new(campaign: &Campaign, data: &Data) -> Self {
         let study = campaign.study;
+        let sobol = sobol_indices(study, data);
+        // Bounds are for independent runs: of a Sobol' layout those of A and B.
+        let picked = study.sobol_layout().map(|layout| data.only(|run| run % layout.matrices < 2));
+        let runs = data.outcomes.len();
+        let data = picked.as_ref().unwrap_or(data);
         let mut groups = vec![Group::new("all", data.outcomes.iter())];
         let mut by_failure: BTreeMap<&str, Vec<&String>> = BTreeMap::new();
         for (failures, outcome) in data.failures.iter().zip(&data.outcomes) {
@@ -126,10 +131,10 @@ impl Summary {
             study_sha256: study.hash.clone(),
             version: VERSION,
             seed: study.seed,
-            runs: data.outcomes.len(),
+            runs,
             results: RESULTS.iter().filter_map(|name| Quantiles::new(name, data)).collect(),
             sensitivity: correlations(study, data),
-            sobol: sobol_indices(study, data),
+            sobol,
             groups,
         }
     }

@@ -1,4 +1,5 @@
-//! A study's rows as one table: `results.csv` and `results.parquet`, a row a run in order.
+//! A study's rows as one table: `results.csv` and `results.parquet`, a row a run in order. The only file that
+//! names the Parquet writer.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -16,7 +17,8 @@ use parquet::schema::types::{Type, TypePtr};
 use super::StudyError;
 use super::campaign::Campaign;
 use super::row::{Columns, Content};
-use super::shard::{VERSION, temporary};
+use super::shard::VERSION;
+use crate::whole_file::temporary;
 
 /// Rows of a row group: it is what the merge holds in memory.
 const GROUP_ROWS: usize = 10_000;
@@ -46,7 +48,7 @@ pub fn merge(campaign: &Campaign) -> Result<(), StudyError> {
 
 fn write(campaign: &Campaign, csv: &Path, parquet: &Path) -> Result<(), StudyError> {
     let lost = |source| StudyError::File { file: csv.to_owned(), source };
-    let wrong = |source| StudyError::Parquet { file: parquet.to_owned(), source };
+    let wrong = |error: ParquetError| refused(parquet, &error);
     let columns = campaign.columns;
     let mut text = BufWriter::new(File::create(csv).map_err(lost)?);
     let mut table = Table::create(campaign, parquet)?;
@@ -75,6 +77,10 @@ fn write(campaign: &Campaign, csv: &Path, parquet: &Path) -> Result<(), StudyErr
     Ok(())
 }
 
+fn refused(file: &Path, error: &ParquetError) -> StudyError {
+    StudyError::Parquet { file: file.to_owned(), reason: error.to_string() }
+}
+
 struct Table {
     writer: SerializedFileWriter<File>,
 }
@@ -97,7 +103,7 @@ impl Table {
             .build();
         let writer = schema(campaign.columns)
             .and_then(|schema| SerializedFileWriter::new(open, schema, Arc::new(properties)))
-            .map_err(|source| StudyError::Parquet { file: file.to_owned(), source })?;
+            .map_err(|error| refused(file, &error))?;
         Ok(Self { writer })
     }
 
