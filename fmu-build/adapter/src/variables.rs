@@ -371,6 +371,28 @@ mod tests {
         assert_eq!(tokens.len(), 6);
     }
 
+    #[test]
+    fn the_token_changes_with_anything_of_a_variable() {
+        let of = |signal: Signal| {
+            let inputs = Box::leak(Box::new([signal]));
+            let interface = Interface { inputs, ..TRUTH };
+            token(&interface, Variant::Fmi2)
+        };
+        let signal = TRUTH.inputs[0];
+        let changed = [
+            signal,
+            Signal { name: "other", ..signal },
+            Signal { size: 2, ..signal },
+            Signal { unit: "kg", ..signal },
+            Signal { start: 1.0, ..signal },
+            Signal { description: "other", ..signal },
+            // A name that brings a range.
+            Signal { name: "thrust_n", ..signal },
+        ];
+        let tokens: BTreeSet<_> = changed.into_iter().map(of).collect();
+        assert_eq!(tokens.len(), changed.len());
+    }
+
     fn all() -> impl Iterator<Item = (&'static Interface, Variant)> {
         [&TRUTH, &GUIDANCE].into_iter().flat_map(|i| Variant::ALL.map(|variant| (i, variant)))
     }
