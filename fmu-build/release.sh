@@ -16,9 +16,8 @@ if [ ! -x "$tools/bin/cargo-zigbuild" ]; then
     "$tools/bin/pip" install --quiet ziglang==0.17.1 cargo-zigbuild==0.24.0
 fi
 PATH="$tools/bin:$PATH" cargo zigbuild --release --workspace --target "$triple.2.17"
-cargo run --quiet --release --package fmu-build -- \
-    build --libraries "$target/$triple/release" --out "$out"
-cargo run --quiet --release --package fmu-build -- ssp --fmus "$out"
+"$target/$triple/release/fmu-build" build --out "$out"
+"$target/$triple/release/fmu-build" ssp --fmus "$out"
 
 # Proof: no symbol newer than 2.17, and nothing but the libc family.
 for library in "$target/$triple/release/"lib*_fmu.so; do
