@@ -18,6 +18,10 @@ pub enum Error {
     Scenario(#[from] ConfigError),
     #[error("signal {signal}: unit \"{unit}\" has no known base-unit exponents")]
     Unit { signal: &'static str, unit: &'static str },
+    #[error("vehicle name \"{0}\": must be of a-z, 0-9 and hyphens")]
+    VehicleName(String),
+    #[error("{}: exists already", file.display())]
+    Exists { file: PathBuf },
     #[error("SOURCE_DATE_EPOCH is \"{0}\": it must be whole seconds from 1980 to 2107")]
     Epoch(String),
 }

@@ -16,6 +16,7 @@ pub mod ssp;
 mod stamp;
 mod terminals;
 mod units;
+pub mod vehicle;
 mod xml;
 
 pub use error::Error;

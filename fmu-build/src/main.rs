@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use fmu_build::check::check;
 use fmu_build::model::MODELS;
 use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp, capabilities, describe, ssp};
+use fmu_build::{Error, Stamp, capabilities, describe, ssp, vehicle};
 
 #[derive(Parser)]
 #[command(version, about = "Packs, describes and checks the lander FMUs (FMI 2.0 and 3.0)")]
@@ -21,24 +21,36 @@ struct Arguments {
 enum Command {
     /// Pack the shell libraries into FMUs: each for FMI 2.0, FMI 3.0 and FMI 3.0 with arrays
     Build {
-        /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so
+        /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so; by default that of
+        /// this program
         #[arg(long, value_name = "DIR")]
-        libraries: PathBuf,
-        /// Where to write the FMUs
+        libraries: Option<PathBuf>,
+        /// Where to write the FMUs; by default `fmu` in cargo's target folder
         #[arg(long, value_name = "DIR")]
-        out: PathBuf,
+        out: Option<PathBuf>,
         /// Workspace root, for models/ and LICENSE
         #[arg(long, value_name = "DIR", default_value = ".")]
         root: PathBuf,
     },
     /// Pack FMUs into lander.ssp (FMI 2.0) and lander-fmi3.ssp
     Ssp {
-        /// Folder with the FMUs that `build` wrote
+        /// Folder with the FMUs that `build` wrote; by default `fmu` in cargo's target folder
         #[arg(long, value_name = "DIR")]
-        fmus: PathBuf,
+        fmus: Option<PathBuf>,
         /// Where to write the SSP files; the folder of the FMUs if not given
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Workspace root, for models/
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        root: PathBuf,
+    },
+    /// Begin a vehicle of one's own: a copy, and a scenario that flies it
+    NewVehicle {
+        /// Of the files, and of vehicle and scenario
+        name: String,
+        /// The vehicle to copy
+        #[arg(long, value_name = "NAME", default_value = "bug")]
+        from: String,
         /// Workspace root, for models/
         #[arg(long, value_name = "DIR", default_value = ".")]
         root: PathBuf,
@@ -74,12 +86,17 @@ fn run(command: Command) -> Result<bool, Error> {
     match command {
         Command::Build { libraries, out, root } => {
             let stamp = stamp()?;
+            let libraries = libraries.map_or_else(|| target("."), Ok)?;
             let sources = Sources { libraries: &libraries, root: &root, stamp };
-            Ok(wrote(&build(&sources, &out)?))
+            Ok(wrote(&build(&sources, &out.map_or_else(|| target("../fmu"), Ok)?)?))
         }
         Command::Ssp { fmus, out, root } => {
+            let fmus = fmus.map_or_else(|| target("../fmu"), Ok)?;
             let out = out.unwrap_or_else(|| fmus.clone());
             Ok(wrote(&ssp::build(&fmus, &root, stamp()?, &out)?))
+        }
+        Command::NewVehicle { name, from, root } => {
+            Ok(wrote(&vehicle::create(&root, &name, &from)?))
         }
         Command::Describe { capabilities: true, .. } => print(&capabilities::page()?),
         Command::Describe { json: true, .. } => print(&format!("{:#}\n", describe::json(&MODELS))),
@@ -103,6 +120,13 @@ fn run(command: Command) -> Result<bool, Error> {
 
 fn stamp() -> Result<Stamp, Error> {
     Stamp::parse(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref())
+}
+
+/// A folder beside this program, which cargo puts where it puts the libraries.
+fn target(folder: &str) -> Result<PathBuf, Error> {
+    let program = std::env::current_exe()
+        .map_err(|source| Error::Read { file: "this program".into(), source })?;
+    Ok(program.parent().unwrap_or(&program).join(folder))
 }
 
 fn wrote(files: &[PathBuf]) -> bool {

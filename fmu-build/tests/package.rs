@@ -9,7 +9,7 @@ use fmi_adapter::{Variant, variables};
 use fmu_build::check::check;
 use fmu_build::model::{MODELS, library_file};
 use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp};
+use fmu_build::{Error, Stamp, vehicle};
 
 /// A folder with `libraries/`, gone when dropped.
 struct Workshop(PathBuf);
@@ -107,7 +107,7 @@ fn the_xml_lists_exactly_the_variables_of_the_table() {
             Variant::Fmi2 | Variant::Fmi3 => model.input_len() + model.output_len(),
             Variant::Fmi3Arrays => model.inputs.len() + model.outputs.len(),
         };
-        assert_eq!(listed.len(), 3 + signals);
+        assert_eq!(listed.len(), 4 + signals);
     }
 }
 
@@ -162,6 +162,29 @@ fn check_finds_what_was_tampered_with() {
     assert_eq!(problems, ["binaries/x86_64-linux/lander_truth.so is not an ELF library"]);
     fs::write(file, "no archive").unwrap();
     assert!(check(file).is_err());
+}
+
+#[test]
+fn a_new_vehicle_flies_at_once_and_overwrites_nothing() {
+    let workshop = Workshop::new("vehicle");
+    let kit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    for file in ["vehicles/bug.toml", "scenarios/landing.toml"] {
+        let copy = workshop.0.join("models").join(file);
+        fs::create_dir_all(copy.parent().unwrap()).unwrap();
+        fs::copy(kit.join(file), copy).unwrap();
+    }
+    let made = vehicle::create(&workshop.0, "moth", "bug").unwrap();
+    let (scenario, vehicle) = lander_models::Scenario::load(&made[1]).unwrap();
+    assert_eq!((&*scenario.name, &*vehicle.name), ("moth", "moth"));
+    for (name, from, part) in [
+        ("moth", "bug", "vehicles/moth.toml: exists already"),
+        ("a/b", "bug", "vehicle name \"a/b\""),
+        ("fly", "nobody", "vehicles/nobody.toml: cannot be read"),
+    ] {
+        let message = vehicle::create(&workshop.0, name, from).unwrap_err().to_string();
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(!workshop.0.join("models/vehicles/fly.toml").exists());
 }
 
 /// Runs `fmu-build describe` with its standard output at `target`.

@@ -195,7 +195,11 @@ impl Component for Guidance {
     type State = State;
 
     fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
-        let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
+        Self::create_changed(settings, "")
+    }
+
+    fn create_changed(settings: &Settings, changes: &str) -> Result<(Self, State), ModelError> {
+        let (scenario, vehicle) = Scenario::load_changed(&settings.scenario_file, changes)?;
         let guidance = Self::new(&scenario, vehicle);
         let state = guidance.initial_state();
         Ok((guidance, state))

@@ -90,3 +90,15 @@ fn every_state_that_passes_gives_a_command_that_the_vehicle_has() {
         }
     }
 }
+
+#[test]
+fn a_bus_on_which_nobody_has_spoken_leaves_the_engine_off() {
+    let (guidance, state, inputs) = burning();
+    let (mut silent, mut heard) = (state.clone(), state);
+    guidance.step(&mut silent, &vec![0.0; GUIDANCE.input_len()], Ticks(10)).unwrap();
+    assert_eq!(command(&guidance, &silent), [0.0; 6]);
+    // Then it goes on as if it had always heard.
+    guidance.step(&mut silent, &inputs, Ticks(10)).unwrap();
+    guidance.step(&mut heard, &inputs, Ticks(10)).unwrap();
+    assert!(command(&guidance, &silent)[0] >= 800.0 && command(&guidance, &heard)[0] >= 800.0);
+}

@@ -52,6 +52,18 @@ pub trait Component: Sized + Debug {
     /// Reads the files that `settings` names and returns the state at t = 0.
     fn create(settings: &Settings) -> Result<(Self, Self::State), ModelError>;
 
+    /// As `create`, with changes to the scenario (`Scenario::load_changed`).
+    fn create_changed(
+        settings: &Settings,
+        changes: &str,
+    ) -> Result<(Self, Self::State), ModelError> {
+        if changes.is_empty() {
+            return Self::create(settings);
+        }
+        let (file, reason) = (settings.scenario_file.clone(), "can't be changed".to_owned());
+        Err(ConfigError::Key { file, key: changes.to_owned(), reason }.into())
+    }
+
     /// Advances by `duration`, inputs held. `inputs` has `INTERFACE.input_len()` scalars in
     /// table order. On error the state must not be used further.
     fn step(

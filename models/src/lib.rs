@@ -3,6 +3,7 @@
 //! `truth-model` and `guidance-fmu` depend on this crate and never on each other.
 //! Everything here is data and definitions: no physics, no guidance, no FMI.
 
+mod changes;
 pub mod component;
 pub mod frames;
 pub mod heightmap;

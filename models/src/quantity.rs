@@ -73,6 +73,13 @@ impl Section {
         Self::parse(file, &text, provenance)
     }
 
+    /// As `read`, with changes applied to what the file says (`crate::changes`).
+    pub fn read_changed(file: &Path, changes: &str) -> Result<Self, ConfigError> {
+        let mut section = Self::read(file, false)?;
+        crate::changes::apply(&mut section.table, file, changes)?;
+        Ok(section)
+    }
+
     /// As `read`, from text already in memory; `file` only names it.
     pub fn parse(file: &Path, text: &str, provenance: bool) -> Result<Self, ConfigError> {
         let table = text.parse::<Table>().map_err(|error| ConfigError::Syntax {

@@ -261,7 +261,11 @@ impl Component for TruthModel {
     type State = State;
 
     fn create(settings: &Settings) -> Result<(Self, State), ModelError> {
-        let (scenario, vehicle) = Scenario::load(&settings.scenario_file)?;
+        Self::create_changed(settings, "")
+    }
+
+    fn create_changed(settings: &Settings, changes: &str) -> Result<(Self, State), ModelError> {
+        let (scenario, vehicle) = Scenario::load_changed(&settings.scenario_file, changes)?;
         let model = Self::new(scenario, vehicle);
         let state = model.initial_state();
         let lowest_m = model.lowest_m(&state);

@@ -8,8 +8,9 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from conftest import FMUS
+from conftest import FMUS, SCENARIOS
 from touchdown_cosim import schedule
+from touchdown_cosim.component import Component, ComponentError
 from touchdown_cosim.variants import VARIANTS, fmu_file
 
 PLAN = schedule.load()
@@ -43,3 +44,29 @@ def test_the_terminals_of_both_models_join_every_wire(variant):
     truth, guidance = members.values()
     assert truth.keys() == guidance.keys() == inputs
     assert all({truth[name], guidance[name]} == {"input", "output"} for name in inputs)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_parameter_changes_the_scenario(variant):
+    changes = "initial.position_w[3] = 123.0; initial.velocity_w = [1, 2, 3]"
+    with Component(fmu_file(FMUS, "lander-truth", variant), "truth") as truth:
+        truth.fmu.setString([truth.references["scenario_changes"]], [changes])
+        truth.initialize(SCENARIOS / "landing.toml")
+        seen = dict(zip(truth.columns, truth.get(list(truth.outputs.values())), strict=True))
+    assert [seen[f"position_w[{n}]"] for n in (1, 2, 3)] == [300.0, 100.0, 123.0]
+    assert [seen[f"velocity_w[{n}]"] for n in (1, 2, 3)] == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ("site.gravity = -1", "landing.toml: key `site.gravity`: .*greater than 0"),
+        ("site.wind = 3", "landing.toml: key `site.wind`: .*not known"),
+        ("site.gravity", "must be KEY = VALUE"),
+    ],
+)
+def test_a_wrong_change_is_refused_as_in_the_file(changes, reason):
+    with Component(fmu_file(FMUS, "lander-truth"), "truth") as truth:
+        truth.fmu.setString([truth.references["scenario_changes"]], [changes])
+        with pytest.raises(ComponentError, match=reason):
+            truth.initialize(SCENARIOS / "landing.toml")

@@ -15,8 +15,9 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssv
 
-from conftest import FMUS
+from conftest import FMUS, ROOT
 from touchdown_cosim import schedule
 from touchdown_cosim.component import Component
 from touchdown_cosim.master import Master
@@ -180,3 +181,14 @@ def container(*arguments: str, folder: Path):
     command = [script("fmucontainer"), *arguments, "-fmu-directory", "."]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@BOTH
+def test_every_scenario_has_a_valid_parameter_set(version):
+    """Against the schema of SSP 1.0, as FMPy has it."""
+    for scenario in (ROOT / "models" / "scenarios").glob("*.toml"):
+        values = read_ssv(str(SYSTEMS[version]), f"resources/{scenario.stem}.ssv")
+        assert values.name == scenario.stem
+        assert [(p.name, p.value) for p in values.parameters] == [
+            ("scenario_file", f"scenarios/{scenario.name}")
+        ]

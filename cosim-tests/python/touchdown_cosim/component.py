@@ -104,7 +104,7 @@ class Component:
         self.outputs = {v.name: v.valueReference for v in real if v.causality == "output"}
         # Names of the scalars in all outputs: what `get(outputs.values())` returns.
         self.columns = [n for v, r in self.outputs.items() for n in scalars(v, sizes[r])]
-        self._references = {v.name: v.valueReference for v in variables}
+        self.references = {v.name: v.valueReference for v in variables}
         fmpy.extract(file, self._folder)
         options = {
             "instanceName": self.name,
@@ -128,7 +128,7 @@ class Component:
 
     def initialize(self, scenario_file: Path):
         """To the state at t = 0 of a scenario."""
-        references = self._references
+        references = self.references
         self._checked(self.fmu.setString, [references["scenario_file"]], [str(scenario_file)])
         self._checked(self.fmu.setBoolean, [references["terminate_at_end"]], [True])
         self._checked(self._api.start)

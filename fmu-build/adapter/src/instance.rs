@@ -14,7 +14,8 @@ use crate::lifecycle::{Call, Lifecycle};
 use crate::logger::Logger;
 use crate::snapshot::{Hash, NO_CONFIGURATION, Parameters, Snapshot, fingerprint};
 use crate::variables::{
-    DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_ranges, input_starts, interface_hash, token,
+    CHANGES_NAME, DEFAULT_SCENARIO, SCENARIO_NAME, Variant, input_ranges, input_starts,
+    interface_hash, token,
 };
 
 const NO_STOP: Ticks = Ticks(u64::MAX);
@@ -253,17 +254,18 @@ impl<C: Component> Instance<C> {
 
     /// (Re)creates the component from the current parameters. On error nothing has changed.
     pub(crate) fn create(&mut self) -> Result<(), Error> {
-        let (config, state) = self.load(&self.live.parameters.scenario_file)?;
+        let (config, state) = self.load(&self.live.parameters)?;
         self.config = Some(config);
         self.live.state = Some(state);
         self.refresh_outputs();
         Ok(())
     }
 
-    /// The component under the parameter `scenario_file`, and its state at t = 0.
-    pub(crate) fn load(&self, scenario_file: &CStr) -> Result<(Arc<Config<C>>, C::State), Error> {
-        let settings = Settings { scenario_file: self.scenario_path(scenario_file)? };
-        let (component, state) = C::create(&settings).map_err(Error::Create)?;
+    /// The component under some parameters, and its state at t = 0.
+    pub(crate) fn load(&self, given: &Parameters) -> Result<(Arc<Config<C>>, C::State), Error> {
+        let settings = Settings { scenario_file: self.scenario_path(&given.scenario_file)? };
+        let changes = text(&given.scenario_changes, CHANGES_NAME)?;
+        let (component, state) = C::create_changed(&settings, changes).map_err(Error::Create)?;
         self.logger.event(&format!("loaded {}", settings.scenario_file.display()));
         let fingerprint = fingerprint(&component);
         Ok((Arc::new(Config { component, fingerprint }), state))
@@ -276,8 +278,7 @@ impl<C: Component> Instance<C> {
     }
 
     fn scenario_path(&self, parameter: &CStr) -> Result<PathBuf, Error> {
-        let text = parameter.to_str();
-        let text = text.map_err(|_| Error::NotUtf8 { what: SCENARIO_NAME.to_owned() })?;
+        let text = text(parameter, SCENARIO_NAME)?;
         let file = Path::new(if text.is_empty() { DEFAULT_SCENARIO } else { text });
         match &self.resources {
             _ if file.is_absolute() => Ok(file.to_owned()),
@@ -285,6 +286,10 @@ impl<C: Component> Instance<C> {
             None => Err(Error::NoResources { parameter: text.to_owned() }),
         }
     }
+}
+
+fn text<'a>(value: &'a CStr, name: &str) -> Result<&'a str, Error> {
+    value.to_str().map_err(|_| Error::NotUtf8 { what: name.to_owned() })
 }
 
 fn initial<C: Component>() -> Snapshot<C::State> {

@@ -8,7 +8,7 @@
 //! | 96..104 | payload length, u64 little-endian |
 //! | 104.. | payload: [`Snapshot`] in postcard |
 
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::fmt::Debug;
 
 use lander_models::Ticks;
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::lifecycle::Lifecycle;
-use crate::variables::DEFAULT_SCENARIO;
+use crate::variables::{DEFAULT_SCENARIO, Slot};
 
 /// SHA-256.
 pub type Hash = [u8; 32];
@@ -40,9 +40,25 @@ pub struct Snapshot<S> {
 /// Parameters as set.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Parameters {
-    /// A C string because importers get a pointer to it.
+    /// C strings because importers get pointers to them.
     pub scenario_file: CString,
+    pub scenario_changes: CString,
     pub terminate_at_end: bool,
+}
+
+impl Parameters {
+    /// Of the two strings.
+    pub fn text(&self, slot: Slot) -> &CStr {
+        if slot == Slot::Changes { &self.scenario_changes } else { &self.scenario_file }
+    }
+
+    pub fn set_text(&mut self, slot: Slot, value: &CStr) {
+        let place = match slot {
+            Slot::Changes => &mut self.scenario_changes,
+            _ => &mut self.scenario_file,
+        };
+        *place = value.to_owned();
+    }
 }
 
 /// Start values. Several importers take a run that asks for its end for a failure (FMI 2.0 has no
@@ -50,7 +66,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let scenario_file = CString::new(DEFAULT_SCENARIO).unwrap_or_default();
-        Self { scenario_file, terminate_at_end: false }
+        Self { scenario_file, scenario_changes: CString::default(), terminate_at_end: false }
     }
 }
 

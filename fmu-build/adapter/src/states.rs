@@ -65,7 +65,7 @@ impl<C: Component> Instance<C> {
         let config = match &self.config {
             _ if !created => None,
             Some(own) if own.fingerprint == fingerprint => Some(own.clone()),
-            _ => Some(self.load(&snapshot.parameters.scenario_file)?.0),
+            _ => Some(self.load(&snapshot.parameters)?.0),
         };
         let state = StoredState { config, snapshot };
         if state.fingerprint() != fingerprint {

@@ -1,7 +1,7 @@
 //! Reading and writing variables: every check is made before the first value is written, those
 //! of references, type and count before the values are so much as looked at.
 
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 
 use lander_models::Component;
 
@@ -59,7 +59,7 @@ impl<C: Component> Instance<C> {
             *value = match slot {
                 Slot::Input(index) => self.live.inputs[index],
                 Slot::Output(index) => self.outputs[index],
-                Slot::Time | Slot::Scenario | Slot::TerminateAtEnd => self.now_s(),
+                Slot::Time | Slot::Scenario | Slot::TerminateAtEnd | Slot::Changes => self.now_s(),
             };
         }
         Ok(())
@@ -90,22 +90,24 @@ impl<C: Component> Instance<C> {
 
     /// The strings live in the instance until it is changed or freed.
     pub fn get_strings(&self, slots: &[Slot]) -> Vec<&CStr> {
-        slots.iter().map(|_| self.live.parameters.scenario_file.as_c_str()).collect()
+        slots.iter().map(|slot| self.live.parameters.text(*slot)).collect()
     }
 
-    /// The one string is the scenario. In Initialization Mode FMI still lets it be set: then
-    /// the component is created anew.
+    /// In Initialization Mode FMI still lets a parameter be set: then the component is created
+    /// anew.
     pub fn set_strings(&mut self, slots: &[Slot], values: &[&CStr]) -> Result<(), Error> {
-        let (Some(slot), Some(value)) = (slots.last(), values.last()) else { return Ok(()) };
-        let name = slot.name(C::INTERFACE);
-        self.not_fixed(*slot)?;
-        if value.to_str().is_err() {
-            return Err(Error::NotUtf8 { what: name });
+        for (slot, value) in slots.iter().zip(values) {
+            self.not_fixed(*slot)?;
+            if value.to_str().is_err() {
+                return Err(Error::NotUtf8 { what: slot.name(C::INTERFACE) });
+            }
         }
-        let before =
-            std::mem::replace(&mut self.live.parameters.scenario_file, CString::from(*value));
-        if self.live.lifecycle == Lifecycle::Initialization {
-            self.create().inspect_err(|_| self.live.parameters.scenario_file = before)?;
+        let before = self.live.parameters.clone();
+        for (slot, value) in slots.iter().zip(values) {
+            self.live.parameters.set_text(*slot, value);
+        }
+        if self.live.lifecycle == Lifecycle::Initialization && !slots.is_empty() {
+            self.create().inspect_err(|_| self.live.parameters = before)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The FMI variables of a component, derived from its signal table.
 //!
 //! Arrays are expanded to scalars `name[1]` …: every importer reads those, few read the arrays
-//! of FMI 3.0. References: 0 time, 1 and 2 parameters, inputs from 1000, outputs from 2000.
+//! of FMI 3.0. References: 0 time, 1 to 3 parameters, inputs from 1000, outputs from 2000.
 
 use std::fmt::Write;
 
@@ -12,12 +12,14 @@ use sha2::{Digest, Sha256};
 pub const TIME_REFERENCE: u32 = 0;
 pub const SCENARIO_REFERENCE: u32 = 1;
 pub const TERMINATE_REFERENCE: u32 = 2;
+pub const CHANGES_REFERENCE: u32 = 3;
 pub const FIRST_INPUT: u32 = 1000;
 pub const FIRST_OUTPUT: u32 = 2000;
 
 pub const TIME_NAME: &str = "time";
 pub const SCENARIO_NAME: &str = "scenario_file";
 pub const TERMINATE_NAME: &str = "terminate_at_end";
+pub const CHANGES_NAME: &str = "scenario_changes";
 /// Start value of `scenario_file`, relative to the resources folder; empty stands for it too.
 pub const DEFAULT_SCENARIO: &str = "scenarios/landing.toml";
 
@@ -72,6 +74,7 @@ pub enum Slot {
     Time,
     Scenario,
     TerminateAtEnd,
+    Changes,
     Input(usize),
     Output(usize),
 }
@@ -91,6 +94,7 @@ impl Slot {
             TIME_REFERENCE => Some((Self::Time, 1)),
             SCENARIO_REFERENCE => Some((Self::Scenario, 1)),
             TERMINATE_REFERENCE => Some((Self::TerminateAtEnd, 1)),
+            CHANGES_REFERENCE => Some((Self::Changes, 1)),
             FIRST_OUTPUT.. => within(FIRST_OUTPUT, interface.outputs, Self::Output),
             FIRST_INPUT.. => within(FIRST_INPUT, interface.inputs, Self::Input),
             _ => None,
@@ -111,6 +115,7 @@ impl Slot {
             Self::Time => TIME_REFERENCE,
             Self::Scenario => SCENARIO_REFERENCE,
             Self::TerminateAtEnd => TERMINATE_REFERENCE,
+            Self::Changes => CHANGES_REFERENCE,
             Self::Input(index) => FIRST_INPUT + index as u32,
             Self::Output(index) => FIRST_OUTPUT + index as u32,
         }
@@ -119,7 +124,7 @@ impl Slot {
     pub fn causality(self) -> &'static str {
         match self {
             Self::Time => "independent",
-            Self::Scenario | Self::TerminateAtEnd => "parameter",
+            Self::Scenario | Self::TerminateAtEnd | Self::Changes => "parameter",
             Self::Input(_) => "input",
             Self::Output(_) => "output",
         }
@@ -128,7 +133,7 @@ impl Slot {
     /// FMI type name.
     pub fn data_type(self, variant: Variant) -> &'static str {
         match self {
-            Self::Scenario => "String",
+            Self::Scenario | Self::Changes => "String",
             Self::TerminateAtEnd => "Boolean",
             Self::Time | Self::Input(_) | Self::Output(_) => variant.real_type(),
         }
@@ -148,6 +153,7 @@ impl Slot {
             Self::Time => TIME_NAME.to_owned(),
             Self::Scenario => SCENARIO_NAME.to_owned(),
             Self::TerminateAtEnd => TERMINATE_NAME.to_owned(),
+            Self::Changes => CHANGES_NAME.to_owned(),
             Self::Input(index) => scalar(interface.inputs, index),
             Self::Output(index) => scalar(interface.outputs, index),
         }
@@ -220,6 +226,17 @@ pub fn variables(interface: &Interface, variant: Variant) -> Vec<Variable> {
             range: UNLIMITED,
             description: "Ask the importer to end the simulation when the run is decided; if \
                           false, the outputs stay as they are from then on",
+        },
+        Variable {
+            reference: CHANGES_REFERENCE,
+            name: CHANGES_NAME.to_owned(),
+            slot: Slot::Changes,
+            size: 1,
+            unit: None,
+            start: Some(String::new()),
+            range: UNLIMITED,
+            description: "Changes to the scenario, as in: run.stop_time = 60; \
+                          initial.velocity_w[1] = -12.5",
         },
     ];
     all.extend(listed(interface.inputs, variant, Slot::Input));
@@ -323,10 +340,10 @@ mod tests {
                 assert_eq!(name.split('[').next(), variable.name.split('[').next());
                 scalars += variable.size;
             }
-            assert_eq!(scalars, 3 + interface.input_len() + interface.output_len());
+            assert_eq!(scalars, 4 + interface.input_len() + interface.output_len());
             let beyond_inputs = FIRST_INPUT + interface.input_len() as u32;
             let beyond_outputs = FIRST_OUTPUT + interface.output_len() as u32;
-            for unknown in [3, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
+            for unknown in [4, FIRST_INPUT - 1, beyond_inputs, beyond_outputs, u32::MAX] {
                 assert_eq!(Slot::find(interface, variant, unknown), None, "{unknown}");
             }
         }
@@ -352,6 +369,28 @@ mod tests {
         let tokens: BTreeSet<_> =
             all().map(|(interface, variant)| token(interface, variant)).collect();
         assert_eq!(tokens.len(), 6);
+    }
+
+    #[test]
+    fn the_token_changes_with_anything_of_a_variable() {
+        let of = |signal: Signal| {
+            let inputs = Box::leak(Box::new([signal]));
+            let interface = Interface { inputs, ..TRUTH };
+            token(&interface, Variant::Fmi2)
+        };
+        let signal = TRUTH.inputs[0];
+        let changed = [
+            signal,
+            Signal { name: "other", ..signal },
+            Signal { size: 2, ..signal },
+            Signal { unit: "kg", ..signal },
+            Signal { start: 1.0, ..signal },
+            Signal { description: "other", ..signal },
+            // A name that brings a range.
+            Signal { name: "thrust_n", ..signal },
+        ];
+        let tokens: BTreeSet<_> = changed.into_iter().map(of).collect();
+        assert_eq!(tokens.len(), changed.len());
     }
 
     fn all() -> impl Iterator<Item = (&'static Interface, Variant)> {

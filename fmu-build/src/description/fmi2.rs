@@ -40,7 +40,8 @@ pub fn write_structure(xml: &mut Xml, interface: &Interface, variables: &[Variab
             xml.leaf("Unknown", &attributes);
         }
     });
-    let scenario = places(|v| v.slot == Slot::Scenario).collect::<Vec<_>>().join(" ");
+    let scenario =
+        places(|v| matches!(v.slot, Slot::Scenario | Slot::Changes)).collect::<Vec<_>>().join(" ");
     xml.element("InitialUnknowns", &[], |xml| {
         for output in places(is_output) {
             xml.leaf("Unknown", &[("index", &output), ("dependencies", &scenario)]);

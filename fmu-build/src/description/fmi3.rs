@@ -1,6 +1,6 @@
 //! Variables and structure as FMI 3.0 has them.
 
-use fmi_adapter::variables::{SCENARIO_REFERENCE, Variable, Variant};
+use fmi_adapter::variables::{CHANGES_REFERENCE, SCENARIO_REFERENCE, Variable, Variant};
 use lander_models::signals::Interface;
 
 use super::{borrowed, is_output, real_attributes};
@@ -48,7 +48,7 @@ pub fn write_structure(xml: &mut Xml, interface: &Interface, variables: &[Variab
         }
         xml.leaf("Output", &attributes);
     }
-    let scenario = SCENARIO_REFERENCE.to_string();
+    let scenario = format!("{SCENARIO_REFERENCE} {CHANGES_REFERENCE}");
     for output in outputs() {
         let reference = output.reference.to_string();
         xml.leaf("InitialUnknown", &[("valueReference", &reference), ("dependencies", &scenario)]);

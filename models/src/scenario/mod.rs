@@ -63,7 +63,12 @@ pub enum Ignition {
 impl Scenario {
     /// Reads a scenario and the vehicle that it names (relative to the scenario's folder).
     pub fn load(file: &Path) -> Result<(Self, Vehicle), ConfigError> {
-        let root = Section::read(file, false)?;
+        Self::load_changed(file, "")
+    }
+
+    /// As `load`, with changes such as `run.seed = 7; initial.velocity_w[1] = -12.5`.
+    pub fn load_changed(file: &Path, changes: &str) -> Result<(Self, Vehicle), ConfigError> {
+        let root = Section::read_changed(file, changes)?;
         let named = PathBuf::from(root.text("vehicle")?);
         let vehicle = Vehicle::load(&file.parent().unwrap_or(Path::new("")).join(named))?;
         Ok((Self::from_section(root, &vehicle)?, vehicle))

@@ -41,7 +41,7 @@ impl<I: Iterator<Item = f64>> Dice<I> {
     }
 
     fn references(&mut self) -> Vec<u32> {
-        let all = [0, 1, 2, 3, 999, RATE_1, RATE_2, TROUBLE, X_1, X_2, STEPS, 2003, u32::MAX];
+        let all = [0, 1, 2, 3, 4, 999, RATE_1, RATE_2, TROUBLE, X_1, X_2, STEPS, 2003, u32::MAX];
         let count = self.below(4);
         (0..count).map(|_| self.one(&all)).collect()
     }
@@ -170,7 +170,7 @@ fn strings(dice: &mut Dice<impl Iterator<Item = f64>>, fmu: *mut c_void) -> Stat
     let texts: [&CStr; 6] =
         [c"", c"scenarios/other.toml", c"scenarios/panic.toml", c"nowhere.toml", c"\xff", c"%n#1#"];
     let mut text = dice.one(&texts).as_ptr();
-    let reference = dice.one(&[1, 1, 1, 0, X_1]);
+    let reference = dice.one(&[1, 1, 1, 3, 0, X_1]);
     unsafe {
         match dice.below(4) {
             0 => crate::fmi3GetString(fmu, &reference, 1, &mut text, 1),

@@ -149,6 +149,11 @@ impl Importer {
         unsafe { crate::fmi3SetString(self.instance, &1, 1, &value.as_ptr(), 1) }
     }
 
+    pub fn set_changes(&self, value: &str) -> Status {
+        let value = CString::new(value).unwrap();
+        unsafe { crate::fmi3SetString(self.instance, &3, 1, &value.as_ptr(), 1) }
+    }
+
     pub fn scenario(&self) -> String {
         let mut value = ptr::null();
         let status = unsafe { crate::fmi3GetString(self.instance, &1, 1, &mut value, 1) };

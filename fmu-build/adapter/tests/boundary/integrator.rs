@@ -71,6 +71,15 @@ impl Component for Integrator {
         Ok((Self { gain }, State { x: [gain, -gain], steps: 0 }))
     }
 
+    /// A change is the gain.
+    fn create_changed(settings: &Settings, changes: &str) -> Result<(Self, State), ModelError> {
+        let (model, state) = Self::create(settings)?;
+        match changes.parse() {
+            Ok(gain) => Ok((Self { gain }, State { x: [gain, -gain], steps: 0 })),
+            Err(_) => Ok((model, state)),
+        }
+    }
+
     fn step(
         &self,
         state: &mut State,

@@ -56,6 +56,20 @@ fn the_scenario_parameter_selects_the_file() {
 }
 
 #[test]
+fn the_scenario_can_be_changed_by_a_parameter() {
+    let resources = Resources::new();
+    let importer = Importer::new(&resources);
+    assert_eq!(importer.set_changes("7"), Status::Ok);
+    assert_eq!(importer.enter(), Status::Ok);
+    assert_eq!(importer.get([X_1]), [7.0]);
+    assert_eq!(importer.set_changes("8"), Status::Ok);
+    assert_eq!(importer.get([X_1]), [8.0]);
+    assert_eq!(importer.scenario(), "scenarios/landing.toml");
+    unsafe { crate::fmi3ExitInitializationMode(importer.instance) };
+    importer.refused(importer.set_changes("9"), "scenario_changes is a fixed parameter");
+}
+
+#[test]
 fn start_values_can_be_read_before_initialization() {
     let resources = Resources::new();
     let importer = Importer::new(&resources);

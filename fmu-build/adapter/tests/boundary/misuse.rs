@@ -25,7 +25,7 @@ fn values() {
     importer.refused(importer.set(777, 1.0), "value reference 777 is unknown");
     importer.refused(importer.set(1, 1.0), "scenario_file (value reference 1) is of type String");
     importer.refused(importer.set_scenario("x"), "scenario_file is a fixed parameter");
-    importer.refused(importer.try_get(&[X_1, 3], &mut [0.0; 2]), "value reference 3 is unknown");
+    importer.refused(importer.try_get(&[X_1, 4], &mut [0.0; 2]), "value reference 4 is unknown");
     importer.refused(importer.try_get(&[X_1], &mut [0.0; 2]), "nValues is 2, but x[1] need 1");
     importer.refused(importer.try_get(&[RATE_1, X_1], &mut [0.0]), "rate[1] and 1 more");
     unsafe {

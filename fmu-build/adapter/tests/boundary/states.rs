@@ -132,6 +132,7 @@ fn a_blob_brings_its_scenario_along() {
     let resources = Resources::new();
     let importer = Importer::new(&resources);
     importer.set_scenario("scenarios/other.toml");
+    importer.set_changes("5");
     importer.start();
     fly(&importer, 0, 10);
     let blob = importer.serialize(importer.get_state());
