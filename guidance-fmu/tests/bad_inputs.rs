@@ -19,6 +19,7 @@ fn burning() -> (Guidance, guidance_fmu::State, Vec<f64>) {
     put("attitude_wb", &[1.0]);
     put("mass_kg", &[259.5]);
     put("altimeter_m", &[500.0]);
+    put("computer_up", &[1.0]);
     // The first burn comes after a lead of 2.5 s at most and lasts for tenths of a second at least.
     for _ in 0..300 {
         guidance.step(&mut state, &inputs, Ticks(10)).unwrap();

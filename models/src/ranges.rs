@@ -14,7 +14,7 @@ const NOT_NEGATIVE: (f64, f64) = (0.0, f64::INFINITY);
 /// The first six are magnitudes that a landing never reaches: a broken wire or a wrong unit, not a
 /// disturbance. Ten times what the planner's envelope, the fastest tumble and the hardest blow
 /// would give. Codes are described with their signal.
-const RANGES: [(&str, (f64, f64)); 26] = [
+const RANGES: [(&str, (f64, f64)); 29] = [
     (POSITION_W.name, (-1e6, 1e6)),
     (VELOCITY_W.name, (-1e4, 1e4)),
     (RATE_B.name, (-1e2, 1e2)),
@@ -41,6 +41,9 @@ const RANGES: [(&str, (f64, f64)); 26] = [
     ("plans_accepted", NOT_NEGATIVE),
     ("plans_failed", NOT_NEGATIVE),
     ("nav_rejected", NOT_NEGATIVE),
+    ("computer_up", FLAG),
+    ("fault_declared", FLAG),
+    ("goal", (0.0, 4.0)),
 ];
 
 impl Signal {

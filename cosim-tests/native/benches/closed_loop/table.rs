@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Bad runs of a scheme that are named; all are left as files.
+const SEEDS_SHOWN: usize = 10;
+
 use cosim::descents::{Descent, Scheme};
 use cosim::statistics::binomial::lower_limit;
 use cosim::statistics::spread::Spread;
@@ -117,7 +120,9 @@ pub fn print(campaigns: &[Campaign], folder: &Path) {
         );
         let seeds: Vec<_> = c.bad().map(|d| format!("{} {}", d.seed, d.outcome)).collect();
         if !seeds.is_empty() {
-            println!("  bad by seed: {}", seeds.join(", "));
+            let shown = &seeds[..seeds.len().min(SEEDS_SHOWN)];
+            let more = seeds.len() - shown.len();
+            println!("  bad by seed: {}, and {more} more", shown.join(", "));
             println!("  again: cargo lander run {}/{}-SEED.toml", folder.display(), c.name);
         }
     }
