@@ -99,37 +99,60 @@ pub fn gimbal_target_rad(engine: &Engine, command_rad: Vector2<f64>) -> Vector2<
     command_rad.map(|angle| angle.clamp(-engine.gimbal_limit_rad, engine.gimbal_limit_rad))
 }
 
-/// Thrust after `time_s` of a held target: first-order lag, exact (T.5).
-pub fn thrust_after_n(
-    engine: &Engine,
-    phase: Phase,
-    thrust_n: f64,
-    target_n: f64,
-    time_s: f64,
-) -> f64 {
-    target_n + (thrust_n - target_n) * (-time_s / phase.lag_s(engine)).exp()
+/// Thrust and gimbal angles before errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuators {
+    pub thrust_n: f64,
+    pub gimbal_rad: Vector2<f64>,
 }
 
-/// Gimbal angles after `time_s` of a held target: first-order lag within the rate limit, exact
-/// (T.6). The corner between the two would cost an integrator its order.
-pub fn gimbal_after_rad(
-    engine: &Engine,
-    gimbal_rad: Vector2<f64>,
-    target_rad: Vector2<f64>,
+/// How actuators follow held targets through a given time, exactly (T.5, T.6): an integrator would
+/// lose its order at the corner between lag and rate limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Following<'a> {
+    engine: &'a Engine,
+    target: Actuators,
     time_s: f64,
-) -> Vector2<f64> {
-    let (rate_rad_s, lag_s) = (engine.gimbal_rate_rad_s, engine.gimbal_lag_s);
-    gimbal_rad.zip_map(&target_rad, |angle, target| {
-        let error = target - angle;
-        // Beyond this error the lag asks for more than the rate limit.
-        let limited = (error.abs() - rate_rad_s * lag_s).max(0.0);
-        let limited_s = limited / rate_rad_s;
-        if time_s < limited_s {
-            return angle + error.signum() * rate_rad_s * time_s;
+    /// What is left of a distance to the target after that time.
+    thrust_left: f64,
+    gimbal_left: f64,
+}
+
+impl<'a> Following<'a> {
+    pub fn through(engine: &'a Engine, phase: Phase, target: Actuators, time_s: f64) -> Self {
+        let thrust_left = (-time_s / phase.lag_s(engine)).exp();
+        let gimbal_left = (-time_s / engine.gimbal_lag_s).exp();
+        Self { engine, target, time_s, thrust_left, gimbal_left }
+    }
+
+    /// Where actuators are that time after `from`.
+    #[inline]
+    pub fn after(&self, from: Actuators) -> Actuators {
+        let target = &self.target;
+        Actuators {
+            thrust_n: target.thrust_n + (from.thrust_n - target.thrust_n) * self.thrust_left,
+            gimbal_rad: from.gimbal_rad.zip_map(&target.gimbal_rad, |angle_rad, target_rad| {
+                self.gimbal_after_rad(angle_rad, target_rad)
+            }),
         }
-        let left = error - error.signum() * limited;
-        target - left * (-(time_s - limited_s) / lag_s).exp()
-    })
+    }
+
+    /// First-order lag within the rate limit.
+    fn gimbal_after_rad(&self, angle_rad: f64, target_rad: f64) -> f64 {
+        let (rate_rad_s, lag_s) = (self.engine.gimbal_rate_rad_s, self.engine.gimbal_lag_s);
+        let error_rad = target_rad - angle_rad;
+        // Beyond this error the lag asks for more than the rate limit.
+        let limited_rad = (error_rad.abs() - rate_rad_s * lag_s).max(0.0);
+        if limited_rad == 0.0 {
+            return target_rad - error_rad * self.gimbal_left;
+        }
+        let limited_s = limited_rad / rate_rad_s;
+        if self.time_s < limited_s {
+            return angle_rad + error_rad.signum() * rate_rad_s * self.time_s;
+        }
+        let left_rad = error_rad - error_rad.signum() * limited_rad;
+        target_rad - left_rad * (-(self.time_s - limited_s) / lag_s).exp()
+    }
 }
 
 /// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
@@ -140,6 +163,7 @@ pub fn thrust_direction_b(gimbal_rad: Vector2<f64>) -> Vector3<f64> {
 }
 
 /// Specific impulse at a thrust, s: constant, or by throttle.
+#[inline]
 pub fn isp_s(engine: &Engine, thrust_n: f64) -> f64 {
     let by_throttle = engine.isp_by_throttle.as_ref();
     by_throttle.map_or(engine.isp_s, |isp| isp.at(thrust_n / engine.thrust_max_n))
@@ -181,7 +205,10 @@ mod tests {
         let engine = yunt();
         let (rate, lag_s) = (engine.gimbal_rate_rad_s, engine.gimbal_lag_s);
         let (start, target) = (Vector2::new(-0.1, 0.001), Vector2::new(0.1, 0.004));
-        let at = |t| gimbal_after_rad(&engine, start, target, t);
+        let from = |gimbal_rad| Actuators { thrust_n: 0.0, gimbal_rad };
+        let to = Actuators { thrust_n: 1000.0, ..from(target) };
+        let after = |t| Following::through(&engine, Phase::Running, to, t).after(from(start));
+        let at = |t| after(t).gimbal_rad;
         for n in 0..700 {
             let (t, h) = (1e-3 * f64::from(n), 1e-6);
             let slope = (at(t + h) - at(t)) / h;
@@ -189,7 +216,7 @@ mod tests {
             // A forward difference errs by h/2 times the second derivative, rate/lag = 7 rad/s².
             assert!((slope - expected).norm() < 1e-5, "t = {t} s: {slope} is not {expected}");
         }
-        let thrust_n = thrust_after_n(&engine, Phase::Running, 0.0, 1000.0, engine.thrust_lag_s);
+        let thrust_n = after(engine.thrust_lag_s).thrust_n;
         assert!((thrust_n - 1000.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-9);
     }
 

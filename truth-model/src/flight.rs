@@ -3,10 +3,12 @@
 
 use lander_models::Vehicle;
 use lander_models::frames::Attitude;
+use lander_models::vehicle::Slosh;
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::burn::Burn;
+use crate::engine::Actuators;
 use crate::propulsion::{Drive, Wrench};
 use crate::slosh::{self, Pendulums};
 
@@ -26,14 +28,42 @@ pub struct Motion {
 }
 
 /// Rates of what is integrated.
-struct Rate {
+struct Rate<S> {
     velocity_w: Vector3<f64>,
     acceleration_w: Vector3<f64>,
     quaternion: Quaternion<f64>,
     angular_acceleration_b: Vector3<f64>,
-    /// Where propellant sloshes.
-    slosh: Option<Pendulums>,
+    swings: S,
 }
+
+/// What a wrench does to the vehicle, body axes, gravity left out.
+pub(crate) struct Accelerations<S> {
+    pub origin_b: Vector3<f64>,
+    pub turn_b: Vector3<f64>,
+    /// Rates of what swings inside.
+    pub swings: S,
+}
+
+/// What is inside the vehicle and may swing there.
+trait Inside {
+    type Swings;
+    fn accelerations(
+        &self,
+        burn: &Burn,
+        motion: &Motion,
+        wrench: &Wrench,
+    ) -> Accelerations<Self::Swings>;
+    /// What swings becomes what `start` is after `time_s` at constant rates.
+    fn follow(now: &mut Pendulums, start: &Pendulums, swings: &Self::Swings, time_s: f64);
+    /// Runge and Kutta's mean of the four stages.
+    fn mean(swings: [&Self::Swings; 4]) -> Self::Swings;
+}
+
+/// Nothing swings.
+struct Rigid;
+
+/// Propellant sloshes.
+struct Sloshing<'a>(&'a Slosh);
 
 impl Motion {
     pub fn is_finite(&self) -> bool {
@@ -43,6 +73,14 @@ impl Motion {
         (vectors.into_iter().flatten().chain(attitude).chain(&actuators))
             .all(|value| value.is_finite())
             && self.slosh.is_finite()
+    }
+
+    pub fn actuators(&self) -> Actuators {
+        Actuators { thrust_n: self.thrust_n, gimbal_rad: self.gimbal_rad }
+    }
+
+    pub(crate) fn actuate(&mut self, actuators: Actuators) {
+        (self.thrust_n, self.gimbal_rad) = (actuators.thrust_n, actuators.gimbal_rad);
     }
 
     /// Velocity of a body-fixed point, world frame.
@@ -66,7 +104,13 @@ struct Stage {
 impl Stage {
     /// Becomes what `start` is after `time_s` at constant rates.
     #[inline]
-    fn follow(&mut self, start: &Motion, rate: &Rate, time_s: f64, burn: &Burn) {
+    fn follow<I: Inside>(
+        &mut self,
+        start: &Motion,
+        rate: &Rate<I::Swings>,
+        time_s: f64,
+        burn: &Burn,
+    ) {
         let motion = &mut self.motion;
         motion.position_w = start.position_w + rate.velocity_w * time_s;
         motion.velocity_w = start.velocity_w + rate.acceleration_w * time_s;
@@ -74,43 +118,68 @@ impl Stage {
         motion.attitude_wb = UnitQuaternion::from_quaternion(self.raw);
         motion.rate_b = start.rate_b + rate.angular_acceleration_b * time_s;
         motion.propellant_kg = burn.propellant_kg;
-        (motion.thrust_n, motion.gimbal_rad) = burn.actuators;
-        if let Some(rate) = &rate.slosh {
-            motion.slosh = start.slosh.plus(rate, time_s);
-        }
+        motion.actuate(burn.actuators);
+        I::follow(&mut motion.slosh, &start.slosh, &rate.swings, time_s);
     }
 }
 
-impl Rate {
-    /// Runge and Kutta's mean of the four stages.
-    fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
-        macro_rules! mean {
-            ($field:ident) => {
-                (k1.$field + (k2.$field + k3.$field) * 2.0 + k4.$field) * (1.0 / 6.0)
-            };
-        }
-        Self {
-            velocity_w: mean!(velocity_w),
-            acceleration_w: mean!(acceleration_w),
-            quaternion: mean!(quaternion),
-            angular_acceleration_b: mean!(angular_acceleration_b),
-            slosh: k1.slosh.as_ref().and_then(|k1| {
-                let (k2, k3, k4) = (k2.slosh.as_ref()?, k3.slosh.as_ref()?, k4.slosh.as_ref()?);
-                Some(k1.plus(k4, 1.0).plus(&k2.plus(k3, 1.0), 2.0).times(1.0 / 6.0))
-            }),
-        }
+/// Runge and Kutta's mean of the four stages.
+fn mean<I: Inside>([k1, k2, k3, k4]: [&Rate<I::Swings>; 4]) -> Rate<I::Swings> {
+    macro_rules! mean {
+        ($field:ident) => {
+            (k1.$field + (k2.$field + k3.$field) * 2.0 + k4.$field) * (1.0 / 6.0)
+        };
+    }
+    Rate {
+        velocity_w: mean!(velocity_w),
+        acceleration_w: mean!(acceleration_w),
+        quaternion: mean!(quaternion),
+        angular_acceleration_b: mean!(angular_acceleration_b),
+        swings: I::mean([&k1.swings, &k2.swings, &k3.swings, &k4.swings]),
     }
 }
 
-/// Acceleration of O less gravity, and angular acceleration, of a rigid vehicle (T.1, T.2).
-fn rigid(burn: &Burn, rate_b: &Vector3<f64>, wrench: &Wrench) -> [Vector3<f64>; 2] {
-    let mass = &burn.mass;
-    let gyroscopic_b = rate_b.cross(&(mass.inertia_b * rate_b));
-    let turn_b = burn.inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
-    let origin_b = wrench.force_b / mass.mass_kg
-        - turn_b.cross(&mass.com_b)
-        - rate_b.cross(&rate_b.cross(&mass.com_b));
-    [origin_b, turn_b]
+/// (T.1, T.2)
+impl Inside for Rigid {
+    type Swings = ();
+
+    #[inline]
+    fn accelerations(&self, burn: &Burn, motion: &Motion, wrench: &Wrench) -> Accelerations<()> {
+        let (mass, rate_b) = (&burn.mass, &motion.rate_b);
+        let gyroscopic_b = rate_b.cross(&(mass.inertia_b * rate_b));
+        let turn_b = burn.inverse_inertia_b * (wrench.torque_b - gyroscopic_b);
+        let origin_b = wrench.force_b / mass.mass_kg
+            - turn_b.cross(&mass.com_b)
+            - rate_b.cross(&rate_b.cross(&mass.com_b));
+        Accelerations { origin_b, turn_b, swings: () }
+    }
+
+    #[inline]
+    fn follow(_: &mut Pendulums, _: &Pendulums, (): &(), _: f64) {}
+
+    fn mean(_: [&(); 4]) {}
+}
+
+/// (T.53 to T.56)
+impl Inside for Sloshing<'_> {
+    type Swings = Pendulums;
+
+    fn accelerations(
+        &self,
+        burn: &Burn,
+        motion: &Motion,
+        wrench: &Wrench,
+    ) -> Accelerations<Pendulums> {
+        slosh::accelerations(self.0, &burn.mass, motion, wrench)
+    }
+
+    fn follow(now: &mut Pendulums, start: &Pendulums, swings: &Pendulums, time_s: f64) {
+        *now = start.plus(swings, time_s);
+    }
+
+    fn mean([k1, k2, k3, k4]: [&Pendulums; 4]) -> Pendulums {
+        k1.plus(k4, 1.0).plus(&k2.plus(k3, 1.0), 2.0).times(1.0 / 6.0)
+    }
 }
 
 /// Propellant at the middle and at the end of a step that starts with `start_kg`, for the flows at
@@ -122,38 +191,29 @@ fn drained_kg(start_kg: f64, [start, middle, end]: [f64; 3], step_s: f64) -> [f6
     [(start_kg - to_middle_kg).max(0.0), (start_kg - to_end_kg).max(0.0)]
 }
 
-fn rates(
-    vehicle: &Vehicle,
+#[inline]
+fn rates<I: Inside>(
+    inside: &I,
     gravity_w: &Vector3<f64>,
     burn: &Burn,
     Stage { motion, raw }: &Stage,
     outside: &Wrench,
-) -> Rate {
-    let (driven, inside) = (&burn.driven, burn.inside(&motion.rate_b));
+) -> Rate<I::Swings> {
+    let (driven, jet) = (&burn.driven, burn.inside(&motion.rate_b));
     let outside_torque_b = outside.torque_b - burn.mass.com_b.cross(&outside.force_b);
     let wrench = Wrench {
-        force_b: driven.force_b + inside.force_b + outside.force_b,
-        torque_b: driven.torque_b + inside.torque_b + outside_torque_b,
+        force_b: driven.force_b + jet.force_b + outside.force_b,
+        torque_b: driven.torque_b + jet.torque_b + outside_torque_b,
     };
-    let mut rate = Rate {
+    let Accelerations { origin_b, turn_b, swings } = inside.accelerations(burn, motion, &wrench);
+    Rate {
         velocity_w: motion.velocity_w,
-        acceleration_w: *gravity_w,
+        acceleration_w: gravity_w + motion.attitude_wb * origin_b,
         // (T.3) on the raw, unnormalised quaternion of the stage.
         quaternion: raw * Quaternion::from_imag(motion.rate_b) * 0.5,
-        angular_acceleration_b: Vector3::zeros(),
-        slosh: None,
-    };
-    let [origin_b, turn_b] = match &vehicle.slosh {
-        Some(tanks) if motion.slosh.are_active() => {
-            let coupled = slosh::accelerations(tanks, &burn.mass, motion, &wrench);
-            rate.slosh = Some(coupled.swings);
-            [coupled.origin_b, coupled.turn_b]
-        }
-        _ => rigid(burn, &motion.rate_b, &wrench),
-    };
-    rate.acceleration_w += motion.attitude_wb * origin_b;
-    rate.angular_acceleration_b = turn_b;
-    rate
+        angular_acceleration_b: turn_b,
+        swings,
+    }
 }
 
 /// One classical fourth-order Runge-Kutta step of `step_s` seconds (T.8).
@@ -168,33 +228,58 @@ pub fn advance(
     step_s: f64,
     outside: impl Fn(&Motion) -> Wrench,
 ) -> Motion {
+    match &vehicle.slosh {
+        Some(tanks) if motion.slosh.are_active() => {
+            step(&Sloshing(tanks), vehicle, gravity_w, motion, drive, step_s, outside)
+        }
+        _ => step(&Rigid, vehicle, gravity_w, motion, drive, step_s, outside),
+    }
+}
+
+fn step<I: Inside>(
+    inside: &I,
+    vehicle: &Vehicle,
+    gravity_w: &Vector3<f64>,
+    motion: &Motion,
+    drive: &Drive,
+    step_s: f64,
+    outside: impl Fn(&Motion) -> Wrench,
+) -> Motion {
     let half_s = 0.5 * step_s;
-    let now = (motion.thrust_n, motion.gimbal_rad);
-    let later = |time_s| drive.actuators_after(vehicle, motion, time_s);
-    let actuators = [now, later(half_s), later(step_s)];
+    let (now, following) = (motion.actuators(), drive.following(vehicle, half_s));
+    let later = following.after(now);
+    let actuators = [now, later, following.after(later)];
     // Dry tanks stay dry.
-    let flows_kg_s = actuators.map(|(thrust_n, _)| drive.flow_kg_s(vehicle, thrust_n));
+    let engine_kg_s = actuators.map(|at| drive.engine_flow_kg_s(vehicle, at.thrust_n));
+    let flows_kg_s = engine_kg_s.map(|flow_kg_s| flow_kg_s + drive.other_flow_kg_s);
     let [middle_kg, end_kg] = drained_kg(motion.propellant_kg, flows_kg_s, step_s);
-    let start = Burn::at(vehicle, drive, actuators[0], motion.propellant_kg);
-    let middle = Burn::at(vehicle, drive, actuators[1], middle_kg);
-    let end = Burn::at(vehicle, drive, actuators[2], end_kg);
-    let f = |stage: &Stage, burn: &Burn| {
-        rates(vehicle, gravity_w, burn, stage, &outside(&stage.motion))
+    let burn = |n: usize, kg| Burn::at(vehicle, drive, actuators[n], engine_kg_s[n], kg);
+    let start = burn(0, motion.propellant_kg);
+    // In a coast with the gimbal at rest nothing changes within a step.
+    let (at_middle, at_end);
+    let (middle, end) = if end_kg == motion.propellant_kg && actuators == [now; 3] {
+        (&start, &start)
+    } else {
+        (at_middle, at_end) = (burn(1, middle_kg), burn(2, end_kg));
+        (&at_middle, &at_end)
     };
+    let f =
+        |stage: &Stage, burn: &Burn| rates(inside, gravity_w, burn, stage, &outside(&stage.motion));
     let mut stage = Stage { motion: *motion, raw: *motion.attitude_wb.quaternion() };
     let k1 = f(&stage, &start);
-    stage.follow(motion, &k1, half_s, &middle);
-    let k2 = f(&stage, &middle);
-    stage.follow(motion, &k2, half_s, &middle);
-    let k3 = f(&stage, &middle);
-    stage.follow(motion, &k3, step_s, &end);
-    let k4 = f(&stage, &end);
-    stage.follow(motion, &Rate::mean(&k1, &k2, &k3, &k4), step_s, &end);
+    stage.follow::<I>(motion, &k1, half_s, middle);
+    let k2 = f(&stage, middle);
+    stage.follow::<I>(motion, &k2, half_s, middle);
+    let k3 = f(&stage, middle);
+    stage.follow::<I>(motion, &k3, step_s, end);
+    let k4 = f(&stage, end);
+    stage.follow::<I>(motion, &mean::<I>([&k1, &k2, &k3, &k4]), step_s, end);
     stage.motion.slosh.normalise();
     stage.motion
 }
 
 /// Free flight: nothing acts from outside.
+#[inline]
 pub fn free(_: &Motion) -> Wrench {
     Wrench::default()
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::burn::Burn;
 use crate::disturbances::{Biases, Noise};
-use crate::engine::{self, Phase};
+use crate::engine::{self, Actuators, Following, Phase};
 use crate::faults::{self, Damage};
 use crate::flight::Motion;
 use crate::rcs::{self, Firing, Modulator};
@@ -169,19 +169,12 @@ impl Propulsion {
 }
 
 impl Drive {
-    /// Thrust and gimbal angles `time_s` into the tick, before errors.
+    /// How thrust and gimbal follow what they head for.
     #[inline]
-    pub fn actuators_after(
-        &self,
-        vehicle: &Vehicle,
-        motion: &Motion,
-        time_s: f64,
-    ) -> (f64, Vector2<f64>) {
-        let (engine, target_n) = (&vehicle.engine, self.thrust_target_n);
-        (
-            engine::thrust_after_n(engine, self.phase, motion.thrust_n, target_n, time_s),
-            engine::gimbal_after_rad(engine, motion.gimbal_rad, self.gimbal_target_rad, time_s),
-        )
+    pub fn following<'a>(&self, vehicle: &'a Vehicle, time_s: f64) -> Following<'a> {
+        let target =
+            Actuators { thrust_n: self.thrust_target_n, gimbal_rad: self.gimbal_target_rad };
+        Following::through(&vehicle.engine, self.phase, target, time_s)
     }
 
     /// Thrust delivered, N (T.63). Dry tanks give nothing, whatever the lag still says.
@@ -204,6 +197,7 @@ impl Drive {
 
     /// Mass and propulsion with the thrust, gimbal angles and propellant of `motion`.
     pub fn burn(&self, vehicle: &Vehicle, motion: &Motion) -> Burn {
-        Burn::at(vehicle, self, (motion.thrust_n, motion.gimbal_rad), motion.propellant_kg)
+        let engine_flow_kg_s = self.engine_flow_kg_s(vehicle, motion.thrust_n);
+        Burn::at(vehicle, self, motion.actuators(), engine_flow_kg_s, motion.propellant_kg)
     }
 }

@@ -7,7 +7,7 @@ use lander_models::vehicle::{MAX_TANKS, Slosh};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::flight::Motion;
+use crate::flight::{Accelerations, Motion};
 use crate::propulsion::Wrench;
 
 // The rods' tensions solve a system with one row per tank.
@@ -35,16 +35,6 @@ pub struct Bob {
     pub mass_kg: f64,
     pub position_w: Vector3<f64>,
     pub velocity_w: Vector3<f64>,
-}
-
-/// What body and bobs do under a wrench, gravity left out.
-pub(crate) struct Coupled {
-    /// Acceleration of O, body axes.
-    pub origin_b: Vector3<f64>,
-    /// Angular acceleration.
-    pub turn_b: Vector3<f64>,
-    /// Rates of the pendulums' directions and swings.
-    pub swings: Pendulums,
 }
 
 impl Pendulums {
@@ -165,7 +155,7 @@ pub(crate) fn accelerations(
     vehicle: &MassProperties,
     motion: &Motion,
     wrench: &Wrench,
-) -> Coupled {
+) -> Accelerations<Pendulums> {
     let (rate_b, length_m) = (&motion.rate_b, tanks.length_m);
     let propellant_kg = motion.propellant_kg.max(0.0);
     let rest = tanks.rest(vehicle, propellant_kg);
@@ -232,5 +222,5 @@ pub(crate) fn accelerations(
         };
     }
     let origin_b = com_b - turn_b.cross(&rest.com_b) - rate_b.cross(&rate_b.cross(&rest.com_b));
-    Coupled { origin_b, turn_b, swings }
+    Accelerations { origin_b, turn_b, swings }
 }

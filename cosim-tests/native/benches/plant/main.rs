@@ -14,7 +14,7 @@ use lander_models::Vehicle;
 use lander_models::scenario::ContactEngine;
 use mujoco::{Peer, Report};
 use table::{FLIGHT, Row};
-use timing::Series;
+use timing::{FLIGHTS, Series};
 
 /// Every time is the least of so many.
 const ROUNDS: u32 = 3;
@@ -35,10 +35,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("errors: {}", family.name);
         series.extend(Series::of_family(&vehicle, family)?);
     }
-    let mut flight_us = f64::INFINITY;
+    let mut flights_us = FLIGHTS.map(|_| f64::INFINITY);
     for round in 1..=ROUNDS {
         // In turns, so that a busy machine slows both.
-        flight_us = flight_us.min(timing::flight_us(&vehicle, &flown)?);
+        for (least_us, (_, thrust_n)) in flights_us.iter_mut().zip(FLIGHTS) {
+            *least_us = least_us.min(timing::flight_us(&vehicle, &flown, thrust_n)?);
+        }
         peer = peer.and_then(|peer| peer.time(FLIGHT));
         for family in &families {
             eprintln!("times, {round} of {ROUNDS}: {}", family.name);
@@ -52,8 +54,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let peer = peer.and_then(Peer::report);
     let peers = peer.as_ref().map(Report::rows).unwrap_or_default();
     let ours = series.iter().map(Series::row);
-    let mut rows: Vec<Row> =
-        std::iter::once(Row::flight("flight", flight_us)).chain(ours).collect();
+    let flights = FLIGHTS.iter().zip(flights_us).map(|((name, _), us)| Row::flight(name, us));
+    let mut rows: Vec<Row> = flights.chain(ours).collect();
     table::compare(&mut rows, &peers);
     rows.extend(peers);
     let order = |row: &Row| families.iter().position(|family| family.name == row.case);

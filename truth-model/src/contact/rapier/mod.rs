@@ -162,7 +162,7 @@ impl ContactEngine for RapierWorld {
             touch.structure.hull |= hull;
             touch.structure.nozzle |= nozzle;
         }
-        (motion.thrust_n, motion.gimbal_rad) = drive.actuators_after(vehicle, motion, TICK_S);
+        motion.actuate(drive.following(vehicle, TICK_S).after(motion.actuators()));
         motion.propellant_kg = (motion.propellant_kg - burn.flow_kg_s * TICK_S).max(0.0);
         self.read_motion(site, motion);
         Some(touch)
