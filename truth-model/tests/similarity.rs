@@ -56,6 +56,10 @@ fn scaled(setup: &Setup, scale: f64) -> Setup {
         *length_m *= scale;
     }
     big.vehicle.gear.foot_mass_kg *= mass_scale;
+    if let Some(lateral) = &mut big.vehicle.gear.lateral {
+        lateral.stiffness_n_m *= force_scale / scale;
+        lateral.damping_n_s_m *= force_scale;
+    }
     for Leg { foot_b, strut, .. } in &mut big.vehicle.gear.legs {
         *foot_b *= scale;
         strut.stiffness_n_m *= force_scale / scale;

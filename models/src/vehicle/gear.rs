@@ -16,6 +16,15 @@ pub struct Gear {
     pub bearing_radius_m: f64,
     /// Footpad and lower strut, part of the dry mass.
     pub foot_mass_kg: f64,
+    /// How each leg gives way across its stroke; `None` is rigid.
+    pub lateral: Option<Lateral>,
+}
+
+/// Elastic give of a leg across its stroke axis, alike in both directions, as its pad feels it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lateral {
+    pub stiffness_n_m: f64,
+    pub damping_n_s_m: f64,
 }
 
 /// A leg as an inverted tripod: two secondary struts of fixed length hold the pad on a circle
@@ -120,9 +129,23 @@ pub(super) fn read(root: &Section, mass: &MassModel) -> Result<Gear, ConfigError
             "kg",
             Limit::Within(FOOT_MASS_MIN_KG, foot_mass_max_kg),
         )?,
+        lateral: read_lateral(&s)?,
     };
     s.finish()?;
     Ok(gear)
+}
+
+/// Keys of a leg's give across its stroke: both or neither.
+const LATERAL: [&str; 2] = ["lateral_stiffness", "lateral_damping"];
+
+fn read_lateral(s: &Section) -> Result<Option<Lateral>, ConfigError> {
+    if !LATERAL.iter().any(|key| s.has(key)) {
+        return Ok(None);
+    }
+    Ok(Some(Lateral {
+        stiffness_n_m: s.number(LATERAL[0], "N/m", Limit::Positive)?,
+        damping_n_s_m: s.number(LATERAL[1], "N.s/m", Limit::NotNegative)?,
+    }))
 }
 
 /// Keys of the upper ends of a leg's three struts; without them pads stroke along body z.

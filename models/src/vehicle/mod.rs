@@ -15,7 +15,7 @@ use toml::Table;
 
 pub use curve::Curve;
 pub use engine::{DeadZone, Engine};
-pub use gear::{Gear, Leg, Strut};
+pub use gear::{Gear, Lateral, Leg, Strut};
 pub use hull::Hull;
 pub use rcs::Rcs;
 pub use sensors::{

@@ -57,7 +57,9 @@ pub fn symmetric_bug() -> Vehicle {
 /// Symmetric BUG on gear that neither crushes nor gives: 1e6 N/m gives 0.1 mm under the whole
 /// weight.
 pub fn rigid_bug(propellant_kg: f64) -> Setup {
-    on_plane(symmetric_bug(), propellant_kg).with_struts(|strut| {
+    let mut vehicle = symmetric_bug();
+    vehicle.gear.lateral = None;
+    on_plane(vehicle, propellant_kg).with_struts(|strut| {
         *strut = Strut {
             stiffness_n_m: 1e6,
             damping_n_s_m: 2e4,

@@ -119,8 +119,8 @@ fn pressed_j(model: &TruthModel, state: &State) -> f64 {
     depths_m.map(|depth_m| 0.5 * pad_n_m * depth_m * depth_m).sum()
 }
 
-/// Most that ground and stops may store, which only their engine knows: the pads' share by their
-/// depth; anything while hull or nozzle touch or a strut is beyond its stop.
+/// Most that ground, stops and braces may store, which only their engine knows: the pads' share by
+/// their depth; anything while hull or nozzle touch or a strut is beyond its stop.
 pub fn stored_at_most_j(model: &TruthModel, state: &State) -> f64 {
     let structure_m = model.structure_clearance_m(&state.motion);
     let legs = model.vehicle().gear.legs.iter().zip(&state.legs);
@@ -128,5 +128,20 @@ pub fn stored_at_most_j(model: &TruthModel, state: &State) -> f64 {
     if beyond_stop || structure_m.hull.min(structure_m.nozzle) <= 0.0 {
         return f64::INFINITY;
     }
-    pressed_j(model, state)
+    let braces_j = match &state.contact {
+        Some(Contact::Rapier(_)) => braces_j(model, state),
+        _ => 0.0,
+    };
+    pressed_j(model, state) + braces_j
+}
+
+/// What legs store across their strokes, by the ground's force on their pads.
+fn braces_j(model: &TruthModel, state: &State) -> f64 {
+    let gear = &model.vehicle().gear;
+    let Some(lateral) = gear.lateral else { return 0.0 };
+    let across_n2 = gear.legs.iter().zip(&state.legs).map(|(leg, now)| {
+        let axis_w = state.motion.attitude_wb * leg.stroke_axis_b;
+        (now.ground_force_w - axis_w * axis_w.dot(&now.ground_force_w)).norm_squared()
+    });
+    across_n2.sum::<f64>() / (2.0 * lateral.stiffness_n_m)
 }

@@ -2,11 +2,12 @@
 
 use lander_models::frames::{Attitude, steiner};
 use lander_models::mass::MassProperties;
-use lander_models::vehicle::{Gear, Leg, Slosh, Vehicle};
+use lander_models::vehicle::{Gear, Lateral, Leg, Slosh, Vehicle};
 use nalgebra::{Matrix3, Vector3};
 use rapier3d_f64::dynamics::{
-    CoefficientCombineRule, ImpulseJointHandle, MassProperties as RapierMass, MotorModel,
-    PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, SphericalJointBuilder,
+    CoefficientCombineRule, GenericJointBuilder, ImpulseJointHandle, JointAxesMask, JointAxis,
+    MassProperties as RapierMass, MotorModel, RigidBody, RigidBodyBuilder, RigidBodyHandle,
+    SphericalJointBuilder,
 };
 use rapier3d_f64::geometry::{ColliderBuilder, ColliderHandle};
 use rapier3d_f64::glamx::{DMat3, DVec3};
@@ -131,13 +132,30 @@ pub fn insert_foot(
         body,
         &mut world.bodies,
     );
-    let joint = PrismaticJointBuilder::new(to_glam(&leg.stroke_axis_b))
+    let locked = match gear.lateral {
+        Some(_) => JointAxesMask::ANG_AXES,
+        None => JointAxesMask::LOCKED_PRISMATIC_AXES,
+    };
+    let axis = to_glam(&leg.stroke_axis_b);
+    let mut joint = GenericJointBuilder::new(locked)
+        .local_axis1(axis)
+        .local_axis2(axis)
         .local_anchor1(to_glam(&free_b))
         .local_anchor2(DVec3::ZERO)
         .contacts_enabled(false)
-        .limits([-EXTENSION_STOP_M, leg.strut.stroke_max_m])
-        .motor_model(MotorModel::ForceBased)
-        .build();
+        .limits(JointAxis::LinX, [-EXTENSION_STOP_M, leg.strut.stroke_max_m])
+        .motor_model(JointAxis::LinX, MotorModel::ForceBased);
+    if let Some(Lateral { stiffness_n_m, damping_n_s_m }) = gear.lateral {
+        for across in [JointAxis::LinY, JointAxis::LinZ] {
+            joint = joint.motor_model(across, MotorModel::ForceBased).motor_position(
+                across,
+                0.0,
+                stiffness_n_m,
+                damping_n_s_m,
+            );
+        }
+    }
+    let joint = joint.build();
     Foot { body, pad, joint: world.impulse_joints.insert(hull, body, joint, true) }
 }
 

@@ -90,6 +90,27 @@ pub fn stop(motion: &Motion, body: &Matrix6<f64>, holds: impl Iterator<Item = Ho
     }
 }
 
+/// Motion after pads on legs that give have met the ground: each foot stops there as far as friction
+/// takes its slip, and the vehicle loses that much. What is left to stop the vehicle the leg does.
+pub fn brush(
+    motion: &Motion,
+    body: &Matrix6<f64>,
+    foot_kg: f64,
+    holds: impl Iterator<Item = Hold>,
+) -> Motion {
+    let velocity_b = motion.attitude_wb.inverse_transform_vector(&motion.velocity_w);
+    let mut momentum = body * stack(&velocity_b, &motion.rate_b);
+    for hold in holds {
+        let slip_b = hold.across() * (velocity_b + motion.rate_b.cross(&hold.point_b));
+        let blow_b = slip_b * -foot_kg;
+        let blow_b = blow_b * hold.share(&blow_b);
+        momentum += stack(&blow_b, &hold.point_b.cross(&blow_b));
+    }
+    let Some(solver) = body.cholesky() else { return *motion };
+    let [velocity_b, rate_b] = split(&solver.solve(&momentum));
+    Motion { velocity_w: motion.attitude_wb * velocity_b, rate_b, ..*motion }
+}
+
 /// Motion after struts have torn feet off the ground: their momentum is the vehicle's. `before` is
 /// the inertia without the feet that stood, `after` with those that it lifts (T.37).
 pub fn lift(motion: &Motion, before: &Matrix6<f64>, after: &Matrix6<f64>) -> Motion {

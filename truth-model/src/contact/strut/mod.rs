@@ -11,7 +11,7 @@ mod structure;
 use lander_models::mass::MassProperties;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
-use lander_models::vehicle::Gear;
+use lander_models::vehicle::{Gear, Lateral};
 use nalgebra::{Matrix3, Matrix6, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Drive, Wrench};
 use inertia::{split, stack};
-use pad::{Grip, Pad, Shares, Stiffest};
+use pad::{Grip, Holds, Pad, Spring};
 use structure::Bumpers;
 
 /// Steps of a tick in which a strut strokes faster than `GENTLE_M_S` or may reach its stop: the stop
@@ -31,6 +31,9 @@ const GENTLE_M_S: f64 = 0.1;
 /// Step times the fastest rate of a vehicle that grips or stands on its stops: Runge-Kutta is stable
 /// up to 2.785.
 const STIFFEST_STEP: f64 = 2.5;
+/// The same of a leg's own give, and of half its damping: Runge-Kutta is stable in the half disc of
+/// 2.6, and at this errs by 1 % of a swing.
+const SOFT_STEP: f64 = 1.3;
 /// A blow sooner than this after the start of a step falls into it, s.
 const BLOW_TIME_MIN_S: f64 = 1e-9;
 /// Most blows for which one tick is cut.
@@ -85,10 +88,11 @@ impl Forces {
     }
 }
 
-/// Natural frequencies of the stiffest critically damped springs that steps of `step_s` carry, so
-/// that finer ones tend to rigid contact. All pads together damp by 2 ω times a lever, the fastest
-/// of the vehicle's rates.
-fn stiffest(gear: &Gear, mass: &MassProperties, step_s: f64) -> Stiffest {
+/// What pads bear on in steps of `step_s`: the leg's own give across its stroke, if there is one that
+/// a step carries, else the stiffest critically damped springs that it does, so that finer steps
+/// tend to rigid legs. All pads together stiffen and damp by the share of one times a lever, in
+/// the fastest of the vehicle's motions.
+fn holds(gear: &Gear, mass: &MassProperties, step_s: f64) -> Holds {
     let reach_m2 = gear.feet_b().map(|foot_b| (foot_b - mass.com_b).xy().norm_squared());
     let reach_m2 = reach_m2.fold(0.0, f64::max);
     let height_m2 = mass.com_b.z * mass.com_b.z;
@@ -100,11 +104,24 @@ fn stiffest(gear: &Gear, mass: &MassProperties, step_s: f64) -> Stiffest {
     let pitch = (x - foot * arms_m2.y).min(y - foot * arms_m2.x);
     let feet = foot * gear.legs.len() as f64;
     // Yaw, or the pads' sliding with pitch (T.32).
-    let grip = (reach_m2 / z).max(1.0 + height_m2 / pitch);
+    let grip_lever = (reach_m2 / z).max(1.0 + height_m2 / pitch);
     // Heave, or pitch, in which legs around the vehicle share r² between two axes (T.31).
-    let stop = (0.5 * reach_m2 / pitch).max(1.0 / (1.0 - feet));
-    let rad_s = |lever: f64| STIFFEST_STEP / (2.0 * lever * step_s);
-    Stiffest { grip_rad_s: rad_s(grip), stop_rad_s: rad_s(stop) }
+    let stop_lever = (0.5 * reach_m2 / pitch).max(1.0 / (1.0 - feet));
+    let share_kg = mass.mass_kg / gear.legs.len() as f64;
+    let stiffest = |lever: f64| {
+        let rad_s = STIFFEST_STEP / (2.0 * lever * step_s);
+        Spring { stiffness_n_m: share_kg * rad_s * rad_s, damping_n_s_m: 2.0 * share_kg * rad_s }
+    };
+    let own = gear
+        .lateral
+        .map(|Lateral { stiffness_n_m, damping_n_s_m }| Spring { stiffness_n_m, damping_n_s_m });
+    let is_carried = |spring: &Spring| {
+        let (per_share, step_s2) = (grip_lever / share_kg, step_s * step_s);
+        spring.stiffness_n_m * per_share * step_s2 < SOFT_STEP * SOFT_STEP
+            && spring.damping_n_s_m * per_share * step_s < SOFT_STEP
+    };
+    let grip = own.filter(is_carried).unwrap_or_else(|| stiffest(grip_lever));
+    Holds { grip, stop: stiffest(stop_lever) }
 }
 
 /// Steps of a tick by what the struts do.
@@ -153,14 +170,18 @@ impl StrutContact {
         if !new.contains(&true) {
             return false;
         }
-        let foot_kg = site.vehicle.gear.foot_mass_kg;
-        let captured = site.terrain.pads_captured;
+        let gear = &site.vehicle.gear;
+        let (foot_kg, captured) = (gear.foot_mass_kg, site.terrain.pads_captured);
+        let rigid = gear.lateral.is_none();
         let friction = if captured { f64::INFINITY } else { site.terrain.friction };
         let struck = pads().zip(&self.grips).zip(new);
-        let struck = struck.filter(|((_, grip), new)| *new || captured && grip.holds());
+        let struck = struck.filter(|((_, grip), new)| *new || rigid && captured && grip.holds());
         let holds = struck.map(|((pad, _), _)| pad.hold(motion, foot_kg, friction));
         let body = self.without_feet(site, whole, pads());
-        *motion = blow::stop(motion, &body, holds);
+        *motion = match gear.lateral {
+            Some(_) => blow::brush(motion, &body, foot_kg, holds),
+            None => blow::stop(motion, &body, holds),
+        };
         true
     }
 
@@ -197,9 +218,8 @@ impl ContactEngine for StrutContact {
         let longest_s = TICK_S / f64::from(steps(&vehicle.gear, legs) * site.refinement);
         let mass = vehicle.mass.at(motion.propellant_kg);
         let (mass_kg, whole) = (mass.mass_kg, inertia::whole(&mass));
-        let stiffest = stiffest(&vehicle.gear, &mass, longest_s);
-        let share_kg = mass_kg / legs.len() as f64;
-        self.stiffen(share_kg * stiffest.grip_rad_s * stiffest.grip_rad_s);
+        let holds = holds(&vehicle.gear, &mass, longest_s);
+        self.stiffen(holds.grip.stiffness_n_m);
         let bumpers = Bumpers::new(site, motion, mass_kg);
         let mut touch = Touch::default();
         let mut left_s = TICK_S;
@@ -207,8 +227,7 @@ impl ContactEngine for StrutContact {
         while left_s > 0.0 {
             let pads: [Option<Pad>; FOOT_SLOTS] = std::array::from_fn(|n| {
                 let (leg, grip) = (vehicle.gear.legs.get(n)?, &self.grips[n]);
-                let shares = Shares { share_kg, stiffest };
-                Some(Pad::new(site, leg, motion, legs[n], grip, shares))
+                Some(Pad::new(site, leg, motion, legs[n], grip, holds))
             });
             let pads = || pads.iter().flatten();
             if self.stand(site, motion, &whole, pads) {

@@ -47,21 +47,20 @@ impl Grip {
     }
 }
 
-/// How the vehicle bears on each of its pads.
+/// A spring with its damper.
 #[derive(Clone, Copy, Debug)]
-pub struct Shares {
-    /// Of its mass on one leg.
-    pub share_kg: f64,
-    pub stiffest: Stiffest,
+pub struct Spring {
+    pub stiffness_n_m: f64,
+    pub damping_n_s_m: f64,
 }
 
-/// Natural frequencies of that share on the two springs that stand for rigid contact.
+/// What a pad bears on where its strut does not give.
 #[derive(Clone, Copy, Debug)]
-pub struct Stiffest {
-    /// Along the ground, on a gripping pad.
-    pub grip_rad_s: f64,
+pub struct Holds {
+    /// Along the ground, while the pad grips.
+    pub grip: Spring,
     /// Along a strut without stroke left.
-    pub stop_rad_s: f64,
+    pub stop: Spring,
 }
 
 /// A pad at the start of a step.
@@ -77,11 +76,7 @@ pub struct Pad<'a> {
     touch_b: Vector3<f64>,
     anchor_w: Vector3<f64>,
     standing: bool,
-    grip_n_m: f64,
-    /// Critical: a pad that grips stops dead, as on a rigid hold.
-    grip_n_s_m: f64,
-    stop_n_m: f64,
-    stop_n_s_m: f64,
+    holds: Holds,
     /// Of the foot, along the strut, unless it is on its head.
     foot_weight_n: f64,
     bed: Bed,
@@ -111,7 +106,7 @@ impl<'a> Pad<'a> {
         motion: &Motion,
         start: LegState,
         grip: &Grip,
-        Shares { share_kg, stiffest }: Shares,
+        holds: Holds,
     ) -> Self {
         let gear: &Gear = &site.vehicle.gear;
         let centre_b = gear.pad_centre_b(leg);
@@ -120,7 +115,6 @@ impl<'a> Pad<'a> {
         let touch_w = centre_w - footing.normal_w * gear.pad_radius_m;
         let normal_b = motion.attitude_wb.inverse_transform_vector(&footing.normal_w);
         let slip_w = grip.slip_w.unwrap_or_default();
-        let Stiffest { grip_rad_s, stop_rad_s } = stiffest;
         let mut pad = Self {
             leg,
             centre_b,
@@ -130,10 +124,7 @@ impl<'a> Pad<'a> {
             touch_b: centre_b - normal_b * gear.pad_radius_m,
             anchor_w: touch_w - tangential(&slip_w, &footing.normal_w),
             standing: grip.slip_w.is_some(),
-            grip_n_m: share_kg * grip_rad_s * grip_rad_s,
-            grip_n_s_m: 2.0 * share_kg * grip_rad_s,
-            stop_n_m: share_kg * stop_rad_s * stop_rad_s,
-            stop_n_s_m: 2.0 * share_kg * stop_rad_s,
+            holds,
             foot_weight_n: -gear.foot_mass_kg
                 * site.gravity_w.dot(&(motion.attitude_wb * leg.stroke_axis_b)).min(0.0),
             bed: Bed::HARD,
@@ -235,7 +226,8 @@ impl<'a> Pad<'a> {
         let anchor_b = stance.to_body * (self.anchor_w - stance.origin_w);
         let slip_b = tangential(&(self.touch_b + axis_b * stroke_m - anchor_b), &normal_b);
         let slip_m_s = tangential(&(body_b + axis_b * stroke_rate_m_s), &normal_b);
-        let hold_b = slip_b * -self.grip_n_m - slip_m_s * self.grip_n_s_m;
+        let grip = &self.holds.grip;
+        let hold_b = slip_b * -grip.stiffness_n_m - slip_m_s * grip.damping_n_s_m;
         // (T.33) Along the strut's axis ground, foot and strut balance.
         let hold_n = hold_b.norm();
         let friction = site.pad_friction();
@@ -281,7 +273,7 @@ impl<'a> Pad<'a> {
             return LegState { stroke_m, crushed_m, sinkage_m, ..LegState::default() };
         };
         // (T.34) Friction holds no more than this; the rest was a slide.
-        let most_m = site.pad_friction() * force.normal_n / self.grip_n_m;
+        let most_m = site.pad_friction() * force.normal_n / self.holds.grip.stiffness_n_m;
         grip.slip_w = Some(motion.attitude_wb * force.slip_b.cap_magnitude(most_m));
         LegState {
             stroke_m: force.stroke_m,
@@ -303,7 +295,8 @@ impl<'a> Pad<'a> {
         let strut = &self.leg.strut;
         let over_m = stroke_m - strut.stroke_max_m;
         let stop_n = if over_m > 0.0 {
-            (self.stop_n_m * over_m + self.stop_n_s_m * rate_m_s).max(0.0)
+            let stop = &self.holds.stop;
+            (stop.stiffness_n_m * over_m + stop.damping_n_s_m * rate_m_s).max(0.0)
         } else {
             0.0
         };
