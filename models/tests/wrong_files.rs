@@ -106,6 +106,9 @@ fn terrain_beyond_its_limits_is_refused() {
 fn gear_that_contact_cannot_hold_is_refused() {
     let error = vehicle_error("{ value = 2.0, unit = \"kg\"", "{ value = 7.0, unit = \"kg\"");
     says(&error, &["`gear.foot_mass`", "7", "[0.5, 4.56"]);
+    // A leg's give across its stroke takes two numbers.
+    let error = vehicle_error("lateral_damping =", "# lateral_damping =");
+    says(&error, &["`gear.lateral_damping`"]);
     // The first two feet change places: the polygon crosses itself.
     let (first, second) = ("[1.3328963, 1.3328963, 0.0]", "[-1.3328963, 1.3328963, 0.0]");
     let swapped = format!("{second}, {first}");

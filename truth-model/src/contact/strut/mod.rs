@@ -118,7 +118,7 @@ fn holds(gear: &Gear, mass: &MassProperties, step_s: f64) -> Holds {
     let is_carried = |spring: &Spring| {
         let (per_share, step_s2) = (grip_lever / share_kg, step_s * step_s);
         spring.stiffness_n_m * per_share * step_s2 < SOFT_STEP * SOFT_STEP
-            && spring.damping_n_s_m * per_share * step_s < SOFT_STEP
+            && spring.damping_n_s_m * per_share * step_s < 2.0 * SOFT_STEP
     };
     let grip = own.filter(is_carried).unwrap_or_else(|| stiffest(grip_lever));
     Holds { grip, stop: stiffest(stop_lever) }
