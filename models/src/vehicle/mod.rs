@@ -70,8 +70,6 @@ impl Vehicle {
             hull: hull::read(&root)?,
             sensors: sensors::read(&root)?,
         };
-        // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
-        root.optional_section("as_printed")?;
         root.finish()?;
         Ok(vehicle)
     }
