@@ -54,7 +54,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let crossing_kg = floor_n * wide_deg.to_radians().cos() / gravity;
     let hop = problem(Start::Hop, bug, printed)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
-    for mass_kg in [wet_kg, crossing_kg, 220.0, 200.0, dry_kg + 1.0] {
+    for mass_kg in [wet_kg, crossing_kg, 220.0, 200.0, dry_kg + 12.0] {
         let formula_deg = critical_deg(mass_kg, gravity, floor_n);
         let refused = |tilt_deg: f64| {
             matches!(plan(&always_on(&hop, tilt_deg, mass_kg)), Err(PlanError::Tilt { .. }))

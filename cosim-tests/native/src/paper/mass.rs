@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use super::chapter::{Chapter, cell};
 use super::drawing::{COLOURS, key};
 use super::printed::Printed;
+use super::{Error, Inputs};
 use crate::report::Figure;
 use crate::svg::{Frame, picture};
 
@@ -44,7 +45,8 @@ pub fn mid_propellant_kg(printed: &Printed) -> Result<f64, ConfigError> {
 
 /// # Errors
 /// A printed number that is missing.
-pub fn chapter(printed: &Printed, bug: &Vehicle) -> Result<Chapter, ConfigError> {
+pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
+    let Inputs { printed, bug, .. } = inputs;
     let mid_kg = mid_propellant_kg(printed)?;
     let fills_kg = [bug.mass.propellant.capacity_kg, mid_kg, 0.0];
     let mut rows = Vec::new();

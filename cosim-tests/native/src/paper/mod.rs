@@ -3,14 +3,21 @@
 //! The printed numbers are those of models/paper/printed.toml. Every chapter is a function of the vehicle and
 //! those, so that equal inputs make equal bytes.
 
+mod cadence;
 pub mod chapter;
+mod closed_loop;
+mod convexification;
 mod critical_tilt;
 mod delta_v;
 mod drawing;
+mod flights;
+mod hop;
 mod mass;
 mod parameters;
 mod printed;
 mod problems;
+mod three_dof;
+mod tilt_sweep;
 mod tip_angle;
 mod tip_over;
 
@@ -18,18 +25,24 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use guidance_fmu::scvx::PlanError;
-use lander_models::{ConfigError, Vehicle};
+use lander_models::{ConfigError, ModelError, Vehicle};
 
 use crate::landing;
 use crate::progress::Count;
 use crate::report::Page;
+use crate::schedule::ScheduleError;
 use chapter::Chapter;
+use flights::Flights;
 use printed::Printed;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     #[error(transparent)]
     Config(#[from] ConfigError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
     #[error("no plan for the {what}: {source}")]
     Plan { what: &'static str, source: PlanError },
 }
@@ -38,6 +51,9 @@ pub enum Error {
 pub struct Inputs {
     pub printed: Printed,
     pub bug: Vehicle,
+    /// Of each Monte Carlo.
+    pub runs: u64,
+    pub flights: Flights,
 }
 
 /// What is asked for.
@@ -61,33 +77,50 @@ impl Order {
         &self,
         interrupted: &AtomicBool,
     ) -> Result<Option<Vec<Chapter>>, landing::Error> {
-        let inputs = Inputs {
-            printed: Printed::load()?,
-            bug: Vehicle::load(&self.models.join("vehicles/bug.toml"))?,
-        };
-        type Make = fn(&Inputs) -> Result<Chapter, Error>;
-        let makers: [Make; 7] = [
-            |i| Ok(tip_over::chapter(&i.printed, &i.bug)?),
-            |i| Ok(parameters::vehicle(&i.printed, &i.bug)?),
-            |i| Ok(mass::chapter(&i.printed, &i.bug)?),
-            |i| Ok(parameters::engine(&i.printed, &i.bug)?),
-            delta_v::chapter,
-            critical_tilt::chapter,
-            |i| Ok(parameters::perturbations(&i.printed)?),
-        ];
-        let progress = Count::new("chapters", makers.len());
+        let folder = self.out.join("flights");
+        let flown = Flights::fly(&self.models, &folder, self.runs, self.threads, interrupted)?;
+        let Some(flights) = flown else { return Ok(None) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        Ok(pool.install(|| self.chapters(flights, interrupted))?)
+    }
+
+    fn chapters(
+        &self,
+        flights: Flights,
+        interrupted: &AtomicBool,
+    ) -> Result<Option<Vec<Chapter>>, Error> {
+        let printed = Printed::load()?;
+        let bug = Vehicle::load(&self.models.join("vehicles/bug.toml"))?;
+        let inputs = Inputs { printed, bug, runs: self.runs, flights };
+        let progress = Count::new("chapters", CHAPTERS.len());
         let mut chapters = Vec::new();
-        for make in makers {
+        for chapter in CHAPTERS {
             if interrupted.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            chapters.push(make(&inputs)?);
+            chapters.push(chapter(&inputs)?);
             progress.one_more();
         }
         progress.finish();
         Ok(Some(chapters))
     }
 }
+
+/// In the order of the paper.
+const CHAPTERS: [fn(&Inputs) -> Result<Chapter, Error>; 12] = [
+    tip_over::chapter,
+    parameters::vehicle,
+    mass::chapter,
+    parameters::engine,
+    delta_v::chapter,
+    convexification::chapter,
+    critical_tilt::chapter,
+    tilt_sweep::chapter,
+    hop::chapter,
+    parameters::perturbations,
+    closed_loop::chapter,
+    cadence::chapter,
+];
 
 /// The report of these chapters.
 pub fn page(chapters: Vec<Chapter>) -> Page {

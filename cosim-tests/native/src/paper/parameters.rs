@@ -5,7 +5,7 @@ use lander_models::vehicle::G0_M_S2;
 use lander_models::{ConfigError, Vehicle};
 
 use super::chapter::{Chapter, cell};
-use super::printed::Printed;
+use super::{Error, Inputs};
 use crate::report::Figure;
 use crate::svg::{line, picture, styled_line, text};
 
@@ -30,7 +30,8 @@ fn given(
 
 /// # Errors
 /// A printed number that is missing.
-pub fn vehicle(printed: &Printed, bug: &Vehicle) -> Result<Chapter, ConfigError> {
+pub fn vehicle(inputs: &Inputs) -> Result<Chapter, Error> {
+    let Inputs { printed, bug, .. } = inputs;
     let number = |key, unit| printed.number(key, unit);
     let (wet_kg, dry_kg) = (number("wet_mass", "kg")?, number("dry_mass", "kg")?);
     let propellant_kg = number("propellant_mass", "kg")?;
@@ -202,7 +203,8 @@ fn dimension(from: [f64; 2], to: [f64; 2], words: &str) -> String {
 
 /// # Errors
 /// A printed number that is missing.
-pub fn engine(printed: &Printed, bug: &Vehicle) -> Result<Chapter, ConfigError> {
+pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
+    let Inputs { printed, bug, .. } = inputs;
     let number = |key, unit| printed.number(key, unit);
     let engine = &bug.engine;
     let (floor_n, ceiling_n) = (number("thrust_min", "N")?, number("thrust_max", "N")?);
@@ -291,7 +293,8 @@ pub fn engine(printed: &Printed, bug: &Vehicle) -> Result<Chapter, ConfigError> 
 
 /// # Errors
 /// A printed number that is missing.
-pub fn perturbations(printed: &Printed) -> Result<Chapter, ConfigError> {
+pub fn perturbations(inputs: &Inputs) -> Result<Chapter, Error> {
+    let printed = &inputs.printed;
     let preset = Disturbances::MONTE_CARLO_TABLE;
     let rows = [
         ("initial position, an axis", "mc_position", "m", preset.initial_position_m),

@@ -7,6 +7,7 @@ use truth_model::stability::static_tip_angle_rad;
 use super::chapter::{Chapter, cell};
 use super::printed::Printed;
 use super::tip_angle::{extremes_rad, ring};
+use super::{Error, Inputs};
 use crate::report::Figure;
 use crate::svg::{Frame, picture, text};
 
@@ -16,7 +17,8 @@ const FIXED_FOOTPRINT_M: f64 = 2.0;
 
 /// # Errors
 /// A printed number that is missing.
-pub fn chapter(printed: &Printed, bug: &Vehicle) -> Result<Chapter, ConfigError> {
+pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
+    let Inputs { printed, bug, .. } = inputs;
     let mut chapter = Chapter::new("Static tip-over: Tables I and II, section II-B");
     let row = |varied_m: f64, footprint_m: f64, height_m: f64, printed_deg: f64| {
         let formula_deg = static_tip_angle_rad(0.5 * footprint_m, height_m).to_degrees();
