@@ -205,6 +205,20 @@ fn every_shipped_scenario_loads() {
 }
 
 #[test]
+fn every_shipped_vehicle_loads_and_a_range_holds_its_centre_of_mass() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/vehicles");
+    let mut ranges = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let vehicle = Vehicle::load(&entry.unwrap().path()).unwrap();
+        ranges += usize::from(vehicle.com_height_range_m.is_some());
+    }
+    assert!(ranges >= 6);
+    let range = "com_height_range = { value = [0.5, 1.0], unit = \"m\", source = \"x\", grade = \"assumed\" }";
+    let error = vehicle_error("[mass]", &format!("{range}\n[mass]"));
+    says(&error, &["bug.toml", "`com_height_range`", "0.5 to 1 m", "mass.dry_com_b", "1.38"]);
+}
+
+#[test]
 fn sensors_that_cannot_be_are_refused() {
     let with = |section: &str| scenario_error("[run]", &format!("{section}\n\n[run]"));
     let error = with("[sensors]\nnavigation = \"sextant\"");

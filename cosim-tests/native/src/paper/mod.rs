@@ -6,10 +6,12 @@
 mod cadence;
 pub mod chapter;
 mod closed_loop;
+mod comparison;
 mod convexification;
 mod critical_tilt;
 mod delta_v;
 mod drawing;
+mod dynamic_tip;
 mod flights;
 mod hop;
 mod mass;
@@ -51,6 +53,8 @@ pub enum Error {
 pub struct Inputs {
     pub printed: Printed,
     pub bug: Vehicle,
+    /// The kit's folder of models.
+    pub models: PathBuf,
     /// Of each Monte Carlo.
     pub runs: u64,
     pub flights: Flights,
@@ -91,7 +95,8 @@ impl Order {
     ) -> Result<Option<Vec<Chapter>>, Error> {
         let printed = Printed::load()?;
         let bug = Vehicle::load(&self.models.join("vehicles/bug.toml"))?;
-        let inputs = Inputs { printed, bug, runs: self.runs, flights };
+        let models = self.models.clone();
+        let inputs = Inputs { printed, bug, models, runs: self.runs, flights };
         let progress = Count::new("chapters", CHAPTERS.len());
         let mut chapters = Vec::new();
         for chapter in CHAPTERS {
@@ -107,10 +112,12 @@ impl Order {
 }
 
 /// In the order of the paper.
-const CHAPTERS: [fn(&Inputs) -> Result<Chapter, Error>; 12] = [
+const CHAPTERS: [fn(&Inputs) -> Result<Chapter, Error>; 14] = [
     tip_over::chapter,
+    dynamic_tip::chapter,
     parameters::vehicle,
     mass::chapter,
+    comparison::chapter,
     parameters::engine,
     delta_v::chapter,
     convexification::chapter,
