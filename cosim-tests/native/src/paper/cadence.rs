@@ -90,9 +90,10 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows,
     );
     chapter.differs(
-        "the paper prints one cadence and no touchdown velocity. Planning more often brings the miss down and leaves the speed at contact where \
-         it was: the last burn is planned to end at the ground exactly, and what its engine is off by has no later plan to mend it. Feedback between \
-         plans and a terminal law do that; with them cadence decides the speed across, which only a plan's tilt takes off.",
+        "the paper prints one cadence and no touchdown velocity. Without feedback, planning more often brings miss and speed down, but some still reach the \
+         ground at metres a second at every cadence: the last burn is planned to end at the ground exactly, and what its engine is off by has no later plan to mend it. \
+         A terminal law takes the speed off whatever the cadence; then what a plan's ten seconds of coast drift sideways, no law takes off in time, and it \
+         lands from 2 s down.",
     );
     chapter.figure(curves(flights));
     Ok(chapter)

@@ -179,8 +179,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows,
     );
     chapter.differs(
-        "the paper compares aspect ratios, which say nothing without the height of the centre of mass and the number of legs: six legs on a small circle can be \
-         worth four on a larger one. Apollo LM and Surveyor stand beside, with landings on record (docs/validation/history.md).",
+        "the paper compares aspect ratios, which say nothing without the height of the centre of mass and the number of legs: six legs on a circle are worth four on one 1.22 times as wide. Apollo LM and Surveyor stand beside, with landings on record (docs/validation/history.md).",
     );
     chapter.figure(ranges(&bars));
     Ok(chapter)
@@ -196,7 +195,7 @@ fn ranges(bars: &[(String, Criteria)]) -> Figure {
         x: [0.0, high],
         y: [0.0, 1.0],
     };
-    let panels = [panel(110.0, 80.0), panel(520.0, 7.0)];
+    let panels = [panel(110.0, 80.0), panel(520.0, 4.0)];
     let mut parts = String::new();
     let mut csv = "vehicle,com_low_m,com_high_m,pad_low_deg,pad_high_deg,edge_low_deg,edge_high_deg,tip_speed_low_m_s,tip_speed_high_m_s\n".to_owned();
     for (index, (name, found)) in bars.iter().enumerate() {

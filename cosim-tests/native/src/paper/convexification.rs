@@ -172,7 +172,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
     let (floor, ceiling, dead) = (engine.thrust_min_n, engine.thrust_max_n, engine.dead_zone_n);
     let panel = |left: f64, x: [f64; 2]| Frame {
         left,
-        top: 44.0,
+        top: 60.0,
         width: 380.0,
         height: 380.0,
         x,
@@ -224,7 +224,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
     for (index, (name, colour)) in
         [("on/off, 29°", COLOURS[1]), ("always on, 60°", COLOURS[4])].into_iter().enumerate()
     {
-        parts += &key(&annulus, index, name, colour);
+        parts += &key(&Frame { top: 28.0, ..annulus }, index, name, colour);
     }
     let cone = [[0.0, 0.0], [6000.0, 6000.0]];
     parts += &lifted.path(&cone, "stroke=\"#333\" stroke-width=\"1.5\"");
@@ -243,7 +243,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
                   limits (dashed: 29° and 60°), away from the dead zone (red). (b): on the edge of the lifted cone, where the relaxation \
                   is lossless."
             .to_owned(),
-        svg: picture(940.0, 475.0, &parts),
+        svg: picture(940.0, 495.0, &parts),
         csv,
     })
 }

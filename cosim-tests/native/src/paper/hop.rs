@@ -85,7 +85,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         .collect::<Result<_, _>>()?;
     let rows =
         LIMITS_DEG.iter().zip(planned.iter().zip(&flown)).map(|(tilt_deg, (plan, flown))| {
-            let height_m = plan.nodes.iter().map(|node| node.r_w.z).fold(0.0, f64::max);
+            let height_m = top_m(&path(plan));
             let mut cells: Vec<String> =
                 [(*tilt_deg, 0), (plan.propellant_kg(), 3), (plan.duration_s(), 2), (height_m, 1)]
                     .map(|(value, decimals)| cell(value, decimals))
@@ -131,32 +131,45 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     Ok(chapter)
 }
 
+/// A plan as it is drawn: distance to the target and height, m.
+fn path(plan: &Plan) -> Vec<[f64; 2]> {
+    let steps = (plan.duration_s() / DRAWN_S).ceil();
+    let times = (0..=steps as u32).map(|n| plan.duration_s() * f64::from(n) / steps);
+    times
+        .map(|t_s| plan.sample(t_s).r_w)
+        .map(|r_w| [r_w.xy().norm() * r_w.x.signum(), r_w.z])
+        .collect()
+}
+
+fn top_m(path: &[[f64; 2]]) -> f64 {
+    path.iter().map(|[_, height_m]| *height_m).fold(0.0, f64::max)
+}
+
 fn paths(planned: &[Plan], flown: &[Flown]) -> Figure {
+    let planned: Vec<_> = planned.iter().map(path).collect();
+    let paths = planned.iter().chain(flown.iter().map(|flown| &flown.path));
+    let high_m = 1.05 * paths.map(|path| top_m(path)).fold(1.0, f64::max);
     let frame = |top: f64| Frame {
         left: 60.0,
         top,
         width: 660.0,
-        height: 200.0,
+        height: 260.0,
         x: [-10.0, 210.0],
-        y: [0.0, 130.0],
+        y: [0.0, high_m],
     };
-    let (upper, lower) = (frame(54.0), frame(314.0));
+    let (upper, lower) = (frame(54.0), frame(374.0));
     let (mut parts, mut csv) =
         (String::new(), "what,tilt_limit_deg,distance_m,height_m\n".to_owned());
-    for (index, ((plan, flown), tilt_deg)) in planned.iter().zip(flown).zip(LIMITS_DEG).enumerate()
+    for (index, ((planned, flown), tilt_deg)) in
+        planned.iter().zip(flown).zip(LIMITS_DEG).enumerate()
     {
-        let steps = (plan.duration_s() / DRAWN_S).ceil();
-        let planned: Vec<[f64; 2]> = (0..=steps as u32)
-            .map(|n| plan.sample(plan.duration_s() * f64::from(n) / steps).r_w)
-            .map(|r_w| [r_w.xy().norm() * r_w.x.signum(), r_w.z])
-            .collect();
-        for (what, path) in [("planned", &planned), ("flown", &flown.path)] {
+        for (what, path) in [("planned", planned), ("flown", &flown.path)] {
             for [distance, height] in path {
                 csv += &format!("{what},{tilt_deg},{distance},{height}\n");
             }
         }
         let style = format!("stroke=\"{}\" stroke-width=\"1.8\"", COLOURS[index]);
-        parts += &upper.path(&planned, &style);
+        parts += &upper.path(planned, &style);
         parts += &lower.path(&flown.path, &style);
         parts +=
             &key(&Frame { top: 36.0, ..upper }, index, &format!("{tilt_deg}°"), COLOURS[index]);
@@ -168,7 +181,7 @@ fn paths(planned: &[Plan], flown: &[Flown]) -> Figure {
         name: "hop".to_owned(),
         caption: "Fig. 6 (fig:theta_combined): hop trajectories for tilt limits of 10° to 60°."
             .to_owned(),
-        svg: picture(760.0, 565.0, &parts),
+        svg: picture(760.0, 685.0, &parts),
         csv,
     }
 }

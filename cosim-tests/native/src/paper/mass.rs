@@ -127,7 +127,9 @@ fn migration(printed: &Printed, bug: &Vehicle, fills_kg: [f64; 3]) -> Result<Fig
         let frame = &panels[panel_index];
         let curve: Vec<[f64; 2]> =
             fills.iter().map(|fill| [*fill, property(index, &bug.mass.at(*fill))]).collect();
-        parts += &frame.path(&curve, &format!("stroke=\"{colour}\" stroke-width=\"1.8\""));
+        // J_zz lies on J_xx.
+        let dashes = if index == 4 { " stroke-dasharray=\"7 6\"" } else { "" };
+        parts += &frame.path(&curve, &format!("stroke=\"{colour}\" stroke-width=\"1.8\"{dashes}"));
         let (_, row, unit, _) = ROWS[index];
         for (fill, value) in fills_kg.into_iter().zip(printed.row::<3>(row, unit)?) {
             parts += &frame.dot([fill, value], 4.0, colour);

@@ -14,6 +14,7 @@ mod drawing;
 mod dynamic_tip;
 mod flights;
 mod hop;
+mod index;
 mod mass;
 mod parameters;
 mod printed;
@@ -22,6 +23,7 @@ mod three_dof;
 mod tilt_sweep;
 mod tip_angle;
 mod tip_over;
+mod trajectories;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,6 +35,7 @@ use crate::landing;
 use crate::progress::Count;
 use crate::report::Page;
 use crate::schedule::ScheduleError;
+use crate::study::StudyError;
 use chapter::Chapter;
 use flights::Flights;
 use printed::Printed;
@@ -45,6 +48,8 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("no plan for the {what}: {source}")]
     Plan { what: &'static str, source: PlanError },
 }
@@ -136,6 +141,7 @@ pub fn page(chapters: Vec<Chapter>) -> Page {
         "Every table and figure of \"Integrated Lander-Propulsion-GNC Framework for Autonomous Lunar Powered Descent\": what it prints, \
          what its own formula gives, what the models of this kit give, and what differs and why.",
     );
+    page.filed_table(index::table());
     for chapter in chapters {
         chapter.print(&mut page);
     }

@@ -135,7 +135,7 @@ pub fn vehicle(inputs: &Inputs) -> Result<Chapter, Error> {
 /// Side view to scale, with the tip angles.
 fn side_view(bug: &Vehicle) -> Figure {
     const SCALE: f64 = 105.0;
-    let (middle, ground) = (310.0, 290.0);
+    let (middle, ground) = (340.0, 290.0);
     let at = |x_m: f64, z_m: f64| [middle + SCALE * x_m, ground - SCALE * z_m];
     let hull = &bug.hull;
     let wet = bug.mass.at(bug.mass.propellant.capacity_kg).com_b;
@@ -179,7 +179,7 @@ fn side_view(bug: &Vehicle) -> Figure {
     let cross = "stroke=\"#c53030\" stroke-width=\"2\"";
     parts += &styled_line([com[0] - 7.0, com[1]], [com[0] + 7.0, com[1]], cross);
     parts += &styled_line([com[0], com[1] - 7.0], [com[0], com[1] + 7.0], cross);
-    parts += &text(com[0] + 10.0, com[1] - 8.0, "start", 12, "CoM 1.47 m");
+    parts += &text(com[0], com[1] - 12.0, "middle", 12, "CoM 1.47 m");
     parts += &dimension(at(-pad_m, -0.18), at(pad_m, -0.18), "D = 3.77 m");
     parts += &line(at(-2.35, 0.0), at(-2.35, hull.top_height_m), "#555");
     let [x, y] = at(-2.4, 0.5 * hull.top_height_m);
@@ -189,7 +189,7 @@ fn side_view(bug: &Vehicle) -> Figure {
         caption: "Fig. 1 (fig:lander_vehicle): BUG from the side, to scale, drawn from models/vehicles/bug.toml. Pads, H, D and \
                   centre of mass are the paper's, body, legs and engine are assumed; pads are shown turned into the picture."
             .to_owned(),
-        svg: picture(790.0, 335.0, &parts),
+        svg: picture(820.0, 335.0, &parts),
         csv: format!(
             "part,x_m,z_m\npad,{pad_m},0\nedge,{edge_m},0\ncentre of mass wet,{},{}\ntop,{},{}\nbottom,{},{}\ngimbal pivot,0,{pivot}\nnozzle exit,{},{exit}\n",
             wet.x, wet.z, hull.radius_m, hull.top_height_m, hull.radius_m, hull.bottom_height_m, engine.nozzle_exit_radius_m

@@ -1,7 +1,7 @@
 //! The paper's own truth (section V-A): a point with mass and thrust, Runge-Kutta 4 in steps of 0.1 s, errors held
 //! over a step. A cross-check and the paper's side of the comparison, not this kit's truth.
 
-use guidance_fmu::scvx::{Plan, Problem, Settings, replan};
+use guidance_fmu::scvx::{Plan, Problem, Settings, replan, solve};
 use lander_models::random;
 use lander_models::scenario::Disturbances;
 use nalgebra::{Rotation3, Vector3};
@@ -41,6 +41,8 @@ fn runge_kutta(now: &Point, step_s: f64, rate: impl Fn(f64, &Point) -> Point) ->
 pub enum Scheme {
     /// The plan from the nominal start, to its end.
     OpenLoop,
+    /// The plan from the run's own start, to its end.
+    KnownStart,
     /// That, and a new plan from where the vehicle is, each so many seconds.
     Replanned(f64),
 }
@@ -102,6 +104,17 @@ pub fn fly(
     let mut now = run.start(nominal);
     let (mut plan, mut since_s) = (first.clone(), 0.0);
     let mut last_plan_step = 0;
+    let from = |here: &Point| Problem {
+        r0_w: here.r_w,
+        v0_w: here.v_w,
+        mass_kg: here.mass_kg,
+        ..nominal.clone()
+    };
+    if scheme == Scheme::KnownStart
+        && let Ok(better) = solve(&from(&now), &Settings::default())
+    {
+        plan = better;
+    }
     let gravity_w = nominal.gravity_w() * run.gravity;
     let mass_flow_s_m = nominal.mass_flow_s_m() / run.isp;
     // Falls to the ground at the latest: ten minutes are beyond any flight here.
@@ -111,10 +124,8 @@ pub fn fly(
             && ((step - last_plan_step) as f64 * STEP_S) > period_s - 0.5 * STEP_S
         {
             last_plan_step = step;
-            let here =
-                Problem { r0_w: now.r_w, v0_w: now.v_w, mass_kg: now.mass_kg, ..nominal.clone() };
             // Without a new plan the last one stays in force.
-            if let Ok(better) = replan(&here, &Settings::default(), &plan, time_s - since_s) {
+            if let Ok(better) = replan(&from(&now), &Settings::default(), &plan, time_s - since_s) {
                 (plan, since_s) = (better, time_s);
             }
         }

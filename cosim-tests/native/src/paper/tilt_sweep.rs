@@ -72,8 +72,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     );
     chapter.differs(
         "with an engine that switches, propellant and time fall with the limit, as printed, and there is a flight at every one of them: no \
-         \"sharp feasibility transition\". The transition is that of the engine that never stops, which takes half as much again and finds \
-         its first flight where θ_crit lets it: near 60° from rest, near 50° for a descent that arrives fast. Neither can be \"strictly on\" at 29°.",
+         \"sharp feasibility transition\". The transition is that of the engine that never stops, which takes 40 to 100 % more propellant and finds its first flight \
+         near 59° from rest, where θ_crit lets it, and near 47° for a descent that arrives fast. It can't be \"strictly on\" at 29°.",
     );
     chapter.figure(curves(&limits_deg, &sweeps));
     Ok(chapter)
@@ -98,7 +98,7 @@ fn curves(limits_deg: &[f64], sweeps: &[Found]) -> Figure {
         x: [8.0, 62.0],
         y,
     };
-    let panels = [panel(60.0, [3.0, 12.0]), panel(510.0, [10.0, 50.0])];
+    let panels = [panel(60.0, [3.0, 15.0]), panel(510.0, [10.0, 50.0])];
     let (mut parts, mut csv) =
         (String::new(), "flight,engine,tilt_limit_deg,propellant_kg,flight_time_s\n".to_owned());
     let colours = [COLOURS[1], COLOURS[5], COLOURS[2], COLOURS[4]];

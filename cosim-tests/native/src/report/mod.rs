@@ -63,7 +63,7 @@ pub struct Page {
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1040px;margin:2em auto;padding:0 1em;color:#222}\
     table{border-collapse:collapse;margin:.6em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}\
-    th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th{text-align:left}\
+    th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th,.w td:last-child,.w th:last-child{text-align:left}\
     pre{background:#f6f6f6;padding:.8em;overflow:auto;font-size:13px}figure{margin:1.2em 0}\
     figcaption,.caption{color:#555;font-size:13px;max-width:760px}.caption{margin-top:0}svg{max-width:100%;height:auto}";
 
@@ -113,7 +113,10 @@ impl Page {
     /// A table with its own file.
     pub fn filed_table(&mut self, table: Table) {
         let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
-        self.table("", &header, &table.rows);
+        // A last column of words reads from the left.
+        let words =
+            table.header.last().is_some_and(|last| last == "what differs" || last == "here");
+        self.table(if words { "w" } else { "" }, &header, &table.rows);
         self.body += &format!(
             "<p class=\"caption\">{} Data: tables/{}.csv.</p>\n",
             escaped(&table.caption),
