@@ -8,6 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use claims::{Bound, Claim};
 use serde_json::Value;
 
 fn empty_folder(name: &str) -> PathBuf {
@@ -139,6 +140,7 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
         assert!((number(cell) - expected).abs() <= tolerance, "{cell} is not {expected}");
     };
     // The paper's: atan((D/2)/h). Regular polygons of four and three pads on the circle: apothems D/(2 √2) and D/4.
+    let mut off_polygon = Vec::new();
     for (name, by_height) in [("tip-over-footprint", false), ("tip-over-height", true)] {
         for row in table(name) {
             let varied = number(&row[0]);
@@ -149,10 +151,21 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
             for (cell, expected) in
                 [(3, d / 2.0), (4, d / (2.0 * SQRT_2)), (5, d / 2.0), (6, d / 4.0)]
             {
-                close(&row[cell], angle(expected), 5e-4);
+                off_polygon.push(number(&row[cell]) - angle(expected));
             }
         }
     }
+    Claim {
+        id: "paper-tip-over-tables",
+        section: "Contact: tip-over",
+        claim: "tip angle over a pad and least over all headings, three and four pads, the ten rows of the paper's Tables I and II",
+        reference: "atan of a regular polygon's radius and apothem over the height",
+        unit: "deg",
+        bound: Bound::AtMost(5.1e-4),
+        origin: "half of the last digit that the table shows",
+        noise: 0.0,
+    }
+    .holds_for(off_polygon);
     // Heights and circle of the paper's Tables III and IV.
     for (row, h) in table("tip-over-bug").iter().zip([1.47_f64, 1.38]) {
         let angle = |distance: f64| (distance / h).atan().to_degrees();
@@ -161,6 +174,7 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
         // The centre of mass lies 1 cm off the axis, towards an edge; its height is the model's, to 5 mm.
         close(&row[6], angle(1.885 / SQRT_2 - 0.01), 0.15);
     }
+    let mut off_speed = Vec::new();
     // Energy about the edge at which a rigid vehicle stops: ½ J ω² = m g climb, with J ω = m v h.
     for row in table("dynamic-tip-over") {
         let (m, h, inertia) =
@@ -169,9 +183,19 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
         let (arm, slope) = (distance.hypot(h), number(&row[1]).to_radians());
         let climb = arm * (1.0 - (distance.atan2(h) - slope).cos());
         let about_edge = inertia + m * arm * arm;
-        // Masses and moments are printed to four digits.
-        close(&row[5], (2.0 * m * 1.625 * climb * about_edge).sqrt() / (m * h), 2e-3);
+        off_speed.push(number(&row[5]) - (2.0 * m * 1.625 * climb * about_edge).sqrt() / (m * h));
     }
+    Claim {
+        id: "paper-captured-tip-speed",
+        section: "Contact: tip-over",
+        claim: "speed at which captured pads tip BUG over, wet and dry, level and on 12°, over an edge and over a pad",
+        reference: "energy about the edge, from the paper's masses, heights and moments",
+        unit: "m/s",
+        bound: Bound::AtMost(2e-3),
+        origin: "masses and moments are printed to four digits",
+        noise: 0.0,
+    }
+    .holds_for(off_speed);
     for (row, isp) in table("delta-v").iter().zip([210.0, 225.0, 240.0]) {
         close(&row[2], isp * 9.81 * (259.5_f64 / 174.0).ln(), 5e-3);
         close(&row[3], isp * 9.80665 * (259.5_f64 / 174.0).ln(), 5e-3);

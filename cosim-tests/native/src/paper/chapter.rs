@@ -74,7 +74,21 @@ impl Chapter {
     }
 }
 
-/// A cell with so many decimals.
+/// A cell with so many decimals; a zero has no sign.
 pub fn cell(value: f64, decimals: usize) -> String {
-    format!("{value:.decimals$}")
+    let text = format!("{value:.decimals$}");
+    match text.trim_start_matches(['-', '0', '.']).is_empty() {
+        true => text.trim_start_matches('-').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_is_rounded_and_a_zero_has_no_sign() {
+        assert_eq!([cell(-0.04, 1), cell(-0.06, 1), cell(12.0, 0)], ["0.0", "-0.1", "12"]);
+    }
 }

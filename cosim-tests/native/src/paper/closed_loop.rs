@@ -107,7 +107,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         errors,
     );
     chapter.differs(
-        "initial state, altitude and glide slope are not printed, so 12 m and 147 m are trends: the paper's truth gives 147 m from some 2 km up (last table). \
+        "initial state, altitude and glide slope are not printed, so 12 m and 147 m are trends: the paper's truth gives 147 m from some 2.4 km up (last table). \
          Most of its open loop is the error of the start, 10 m and 2 m/s an axis; with a plan of the run's own start it is the second line. This kit's guidance always knows where it is, \
          so its open loop is that one. In either truth a vehicle that replans each 10 s comes within metres of the target and reaches the ground at metres a second.",
     );
@@ -184,7 +184,7 @@ fn outcomes(chapter: &mut Chapter, flights: &Flights) {
     chapter.differs(
         "the paper judges by position alone. A plan flown without feedback down to the ground is off in height by metres when its engine is off by \
          per cents, so it arrives too fast or cuts off too high. Position precision is no landing: what lands is feedback down to cut-off. Ten \
-         failure modes at 2.5 % in all are some 25 of 1,000 runs: each mode's share has bounds too wide to tell modes apart (study `failure-modes`).",
+         failure modes at 2.5 % in all are a couple of dozen of 1,000 runs: each mode's share has bounds too wide to tell modes apart (study `failure-modes`).",
     );
     chapter.figure(figures::outcomes(&groups));
 }

@@ -36,6 +36,16 @@ pub struct Table {
 }
 
 impl Table {
+    /// Columns without any cell that begins with a number.
+    fn columns_of_words(&self) -> impl Iterator<Item = usize> {
+        let number = |cell: &String| {
+            cell.split([' ', '<']).find(|w| !w.is_empty()).is_some_and(|w| w.parse::<f64>().is_ok())
+        };
+        let words =
+            move |column: &usize| !self.rows.iter().filter_map(|row| row.get(*column)).any(number);
+        (0..self.header.len()).filter(words)
+    }
+
     /// The cells as the page shows them.
     pub fn csv(&self) -> String {
         let lines = std::iter::once(&self.header).chain(&self.rows);
@@ -43,6 +53,16 @@ impl Table {
             .map(|cells| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n")
             .collect()
     }
+}
+
+/// Columns of words beyond these are not laid out as such.
+const COLUMNS: usize = 15;
+
+/// Styles of the classes `w1`, `w2` …: a column of words is read from the left.
+fn style_of_words() -> String {
+    let column = |n: usize| format!(".w{n} td:nth-child({n}),.w{n} th:nth-child({n})");
+    let columns: Vec<String> = (1..=COLUMNS).map(column).collect();
+    columns.join(",") + "{text-align:left}"
 }
 
 /// A cell of CSV (RFC 4180).
@@ -63,7 +83,7 @@ pub struct Page {
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1040px;margin:2em auto;padding:0 1em;color:#222}\
     table{border-collapse:collapse;margin:.6em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}\
-    th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th,.w td:last-child,.w th:last-child{text-align:left}\
+    th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th{text-align:left}\
     pre{background:#f6f6f6;padding:.8em;overflow:auto;font-size:13px}figure{margin:1.2em 0}\
     figcaption,.caption{color:#555;font-size:13px;max-width:760px}.caption{margin-top:0}svg{max-width:100%;height:auto}";
 
@@ -113,10 +133,9 @@ impl Page {
     /// A table with its own file.
     pub fn filed_table(&mut self, table: Table) {
         let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
-        // A last column of words reads from the left.
-        let words =
-            table.header.last().is_some_and(|last| last == "what differs" || last == "here");
-        self.table(if words { "w" } else { "" }, &header, &table.rows);
+        let class: Vec<String> =
+            table.columns_of_words().map(|column| format!("w{}", column + 1)).collect();
+        self.table(&class.join(" "), &header, &table.rows);
         self.body += &format!(
             "<p class=\"caption\">{} Data: tables/{}.csv.</p>\n",
             escaped(&table.caption),
@@ -146,10 +165,10 @@ impl Page {
     }
 
     pub fn to_html(&self) -> String {
-        let (title, body) = (escaped(&self.title), &self.body);
+        let (title, body, words) = (escaped(&self.title), &self.body, style_of_words());
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
-             <style>{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n{body}</body></html>\n"
+             <style>{STYLE}{words}</style></head>\n<body>\n<h1>{title}</h1>\n{body}</body></html>\n"
         )
     }
 
