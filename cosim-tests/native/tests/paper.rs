@@ -158,7 +158,8 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
     Claim {
         id: "paper-tip-over-tables",
         section: "Contact: tip-over",
-        claim: "tip angle over a pad and least over all headings, three and four pads, the ten rows of the paper's Tables I and II",
+        claim: "tip angle over a pad and least over all headings, three and four pads, the ten \
+                rows of the paper's Tables I and II",
         reference: "atan of a regular polygon's radius and apothem over the height",
         unit: "deg",
         bound: Bound::AtMost(5.1e-4),
@@ -188,7 +189,8 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
     Claim {
         id: "paper-captured-tip-speed",
         section: "Contact: tip-over",
-        claim: "speed at which captured pads tip BUG over, wet and dry, level and on 12°, over an edge and over a pad",
+        claim: "speed at which captured pads tip BUG over, wet and dry, level and on 12°, over \
+                an edge and over a pad",
         reference: "energy about the edge, from the paper's masses, heights and moments",
         unit: "m/s",
         bound: Bound::AtMost(2e-3),

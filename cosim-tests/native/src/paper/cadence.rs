@@ -71,7 +71,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Replanning cadence, 10 s to 0.5 s");
     chapter.table(
         "cadence",
-        "Landings over the time between two plans, under Table VIII and the failure modes. In brackets 95 % bounds.",
+        "Landings over the time between two plans, under Table VIII and the failure modes. In \
+         brackets 95 % bounds.",
         &[
             "plan each, s",
             "between plans",
@@ -90,10 +91,12 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows,
     );
     chapter.differs(
-        "the paper prints one cadence and no touchdown velocity. Without feedback, planning more often brings miss and speed down, but some still reach the \
-         ground at metres a second at every cadence: the last burn is planned to end at the ground exactly, and what its engine is off by has no later plan to mend it. \
-         A terminal law takes the speed off whatever the cadence; then what a plan's ten seconds of coast drift sideways, no law takes off in time, and it \
-         lands from 2 s down.",
+        "the paper prints one cadence and no touchdown velocity. Without feedback, planning \
+         more often brings miss and speed down, but some still reach the ground at metres a \
+         second at every cadence: the last burn is planned to end at the ground exactly, and \
+         what its engine is off by has no later plan to mend it. A terminal law takes the speed \
+         off whatever the cadence; then what a plan's ten seconds of coast drift sideways, no \
+         law takes off in time, and it lands from 2 s down.",
     );
     chapter.figure(curves(flights));
     Ok(chapter)
@@ -108,7 +111,13 @@ fn curves(flights: &Flights) -> Figure {
         x: [0.0, 10.5],
         y: [0.0, high],
     };
-    let (mut parts, mut csv) = (String::new(), "between_plans,replan_s,mean_miss_m,low_m,high_m,down_p99_m_s,down_low,down_high,landed_percent,landed_low,landed_high\n".to_owned());
+    let (mut parts, mut csv) = (
+        String::new(),
+        "between_plans,replan_s,mean_miss_m,low_m,high_m,\
+                                         down_p99_m_s,down_low,down_high,landed_percent,\
+                                         landed_low,landed_high\n"
+            .to_owned(),
+    );
     let mut curves = Vec::new();
     for (feedback, mode, colour) in MODES {
         let mut points: [Vec<[f64; 4]>; 3] = Default::default();
@@ -159,7 +168,9 @@ fn curves(flights: &Flights) -> Figure {
     }
     Figure {
         name: "cadence".to_owned(),
-        caption: "Landing error, contact speed and share landed over the replanning period, with 95 % bounds.".to_owned(),
+        caption: "Landing error, contact speed and share landed over the replanning period, \
+                  with 95 % bounds."
+            .to_owned(),
         svg: picture(1000.0, 315.0, &parts),
         csv,
     }

@@ -107,9 +107,12 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         errors,
     );
     chapter.differs(
-        "initial state, altitude and glide slope are not printed, so 12 m and 147 m are trends: the paper's truth gives 147 m from some 2.4 km up (last table). \
-         Most of its open loop is the error of the start, 10 m and 2 m/s an axis; with a plan of the run's own start it is the second line. This kit's guidance always knows where it is, \
-         so its open loop is that one. In either truth a vehicle that replans each 10 s comes within metres of the target and reaches the ground at metres a second.",
+        "initial state, altitude and glide slope are not printed, so 12 m and 147 m are trends: \
+         the last table shows from which height the paper's truth gives them. Most of its open loop \
+         is the error of the start, 10 m and 2 m/s an axis; with a plan of the run's own start \
+         it is the second line. This kit's guidance always knows where it is, so its open loop \
+         is that one. In either truth a vehicle that replans each 10 s comes within metres of \
+         the target and reaches the ground at metres a second.",
     );
     touchdown(&mut chapter, flights);
     outcomes(&mut chapter, flights);
@@ -141,7 +144,8 @@ fn touchdown(chapter: &mut Chapter, flights: &Flights) {
     }
     chapter.table(
         "touchdown",
-        "What the paper does not print: the state at first contact. Quantiles with 95 % bootstrap bounds.",
+        "What the paper does not print: the state at first contact. Quantiles with 95 % \
+         bootstrap bounds.",
         &["guidance", "result", "measured in", "median", "99 %", "greatest"],
         rows,
     );
@@ -177,14 +181,17 @@ fn outcomes(chapter: &mut Chapter, flights: &Flights) {
     }
     chapter.table(
         "landing-outcomes",
-        "How the landings ended, tip-over included, with two-sided 95 % bounds by Clopper and Pearson.",
+        "How the landings ended, tip-over included, with two-sided 95 % bounds by Clopper and \
+         Pearson.",
         &["guidance", "runs", "outcome", "count", "share, %", "from, %", "to, %"],
         rows,
     );
     chapter.differs(
-        "the paper judges by position alone. A plan flown without feedback down to the ground is off in height by metres when its engine is off by \
-         per cents, so it arrives too fast or cuts off too high. Position precision is no landing: what lands is feedback down to cut-off. Ten \
-         failure modes at 2.5 % in all are a couple of dozen of 1,000 runs: each mode's share has bounds too wide to tell modes apart (study `failure-modes`).",
+        "the paper judges by position alone. A plan flown without feedback down to the ground \
+         is off in height by metres when its engine is off by per cents, so it arrives too fast \
+         or cuts off too high. Position precision is no landing: what lands is feedback down to \
+         cut-off. Ten failure modes at 2.5 % in all are a couple of dozen of 1,000 runs: each \
+         mode's share has bounds too wide to tell modes apart (study `failure-modes`).",
     );
     chapter.figure(figures::outcomes(&groups));
 }
@@ -233,7 +240,9 @@ fn distributions(flights: &Flights) -> Figure {
     }
     Figure {
         name: "touchdown-distributions".to_owned(),
-        caption: "Distribution functions of the state at first contact, cut off at the 99 % quantile of the widest.".to_owned(),
+        caption: "Distribution functions of the state at first contact, cut off at the 99 % \
+                  quantile of the widest."
+            .to_owned(),
         svg: picture(1000.0, 545.0, &parts),
         csv,
     }
@@ -262,7 +271,10 @@ fn heights(
     }
     chapter.table(
         "landing-error-height",
-        &format!("The paper's truth from other heights, {runs} runs each: which start its two numbers could be from."),
+        &format!(
+            "The paper's truth from other heights, {runs} runs each: which start its two \
+                  numbers could be from."
+        ),
         &[
             "start height, m",
             "plan's duration, s",

@@ -135,18 +135,38 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Vehicle comparison: Table V");
     chapter.table(
         "comparison",
-        "Table V (tab:comparison). P: as printed; F: by the paper's own numbers; S: as sourced in models/vehicles, each number with source and \
-         grade there. Thrust over weight on Earth, wet; in the last column on the Moon, empty.",
+        "Table V (tab:comparison). P: as printed; F: by the paper's own numbers; S: as sourced \
+         in models/vehicles, each number with source and grade there. Thrust over weight on \
+         Earth, wet; in the last column on the Moon, empty.",
         &[
-            "vehicle", "thrust P, kN", "S", "wet mass P, kg", "S", "height P, m", "S", "footprint P, m", "S",
-            "H/D P", "F", "T/W P", "F", "S", "T/W Moon S",
+            "vehicle",
+            "thrust P, kN",
+            "S",
+            "wet mass P, kg",
+            "S",
+            "height P, m",
+            "S",
+            "footprint \
+                                         P, m",
+            "S",
+            "H/D P",
+            "F",
+            "T/W P",
+            "F",
+            "S",
+            "T/W Moon S",
         ],
         as_printed,
     );
-    chapter.differs(
-        "Morpheus' 2.3 is not its printed 20 kN over 1,050 kg (1.94): it needs the 24 kN that are published. Colibri is publicly 100 kg and 1.2 kN, half \
-         of what is printed, with the same ratio. The main engine alone, 0.4 kN as printed, can't hold Resilience on the Moon even empty (553 N).",
-    );
+    let [morpheus, resilience] = [3, 5].map(|n: usize| &vehicles[n]);
+    chapter.differs(format!(
+        "Morpheus' printed 2.3 is not its printed 20 kN over 1,050 kg, which is 1.94: it needs the {} kN \
+         that are published. Colibri is publicly 100 kg and 1.2 kN, half of what is printed, with nearly the \
+         same ratio. The main engine alone, 0.4 kN as printed, can't hold Resilience on the Moon even \
+         empty ({} N).",
+        cell(1e-3 * morpheus.engine.thrust_max_n, 0),
+        cell(resilience.mass.dry.mass_kg * gravity, 1),
+    ));
     let mut bars = Vec::new();
     let rows = vehicles.iter().chain(&beside).map(|vehicle| {
         let found = criteria(vehicle, gravity);
@@ -165,8 +185,10 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let rows: Vec<_> = rows.collect();
     chapter.table(
         "comparison-tip-over",
-        "Tip-over of the empty vehicles on the Moon: static angle by the paper's formula and over the nearest edge, and the speed at which captured \
-         pads tip them over an edge on level ground (T.17). A vehicle whose centre of mass is not published has a range, never one angle.",
+        "Tip-over of the empty vehicles on the Moon: static angle by the paper's formula and \
+         over the nearest edge, and the speed at which captured pads tip them over an edge on \
+         level ground (T.17). A vehicle whose centre of mass is not published has a range, \
+         never one angle.",
         &[
             "vehicle",
             "legs",
@@ -179,7 +201,10 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows,
     );
     chapter.differs(
-        "the paper compares aspect ratios, which say nothing without the height of the centre of mass and the number of legs: six legs on a circle are worth four on one 1.22 times as wide. Apollo LM and Surveyor stand beside, with landings on record (docs/validation/history.md).",
+        "the paper compares aspect ratios, which say nothing without the height of the centre \
+         of mass and the number of legs: six legs on a circle are worth four on one 1.22 times \
+         as wide. Apollo LM and Surveyor stand beside, with landings on record \
+         (docs/validation/history.md).",
     );
     chapter.figure(ranges(&bars));
     Ok(chapter)
@@ -197,7 +222,9 @@ fn ranges(bars: &[(String, Criteria)]) -> Figure {
     };
     let panels = [panel(110.0, 80.0), panel(520.0, 4.0)];
     let mut parts = String::new();
-    let mut csv = "vehicle,com_low_m,com_high_m,pad_low_deg,pad_high_deg,edge_low_deg,edge_high_deg,tip_speed_low_m_s,tip_speed_high_m_s\n".to_owned();
+    let mut csv = "vehicle,com_low_m,com_high_m,pad_low_deg,pad_high_deg,edge_low_deg,\
+                   edge_high_deg,tip_speed_low_m_s,tip_speed_high_m_s\n"
+        .to_owned();
     for (index, (name, found)) in bars.iter().enumerate() {
         let all = [found.com_height_m, found.pad_deg, found.edge_deg, found.tip_speed_m_s];
         let numbers: Vec<String> = all.iter().flatten().map(f64::to_string).collect();
@@ -223,7 +250,9 @@ fn ranges(bars: &[(String, Criteria)]) -> Figure {
     }
     Figure {
         name: "comparison-tip-over".to_owned(),
-        caption: "Criteria of tip-over, empty, on the Moon; a bar is the range over the unknown height of the centre of mass.".to_owned(),
+        caption: "Criteria of tip-over, empty, on the Moon; a bar is the range over the unknown \
+                  height of the centre of mass."
+            .to_owned(),
         svg: picture(910.0, panels[0].top + panels[0].height + 45.0, &parts),
         csv,
     }
@@ -233,7 +262,8 @@ fn ranges(bars: &[(String, Criteria)]) -> Figure {
 fn horizontal_axis(frame: &Frame, words: &str) -> String {
     let bottom = frame.top + frame.height;
     let mut parts = format!(
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" stroke=\"#333\"/>\n",
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" \
+         stroke=\"#333\"/>\n",
         frame.left, frame.top, frame.width, frame.height
     );
     for tick in crate::svg::ticks(frame.x) {

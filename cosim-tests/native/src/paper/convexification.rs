@@ -127,14 +127,16 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     });
     let mut chapter = Chapter::new("Convexification: Table VII, Fig. 5");
     chapter.words(format!(
-        "Residuals of the plans accepted from {STARTS} starts dispersed as Table VIII says about the descent: {} of {STARTS} with the engine on \
-         and off within 29°, {} of {STARTS} with it always on within {wide_deg}°.",
+        "Residuals of the plans accepted from {STARTS} starts dispersed as Table VIII says \
+         about the descent: {} of {STARTS} with the engine on and off within 29°, {} of \
+         {STARTS} with it always on within {wide_deg}°.",
         sets[0].len(),
         sets[1].len()
     ));
     chapter.table(
         "convexification",
-        "Table VII (tab:nonconvex_summary) with what each technique leaves, in plans that were accepted.",
+        "Table VII (tab:nonconvex_summary) with what each technique leaves, in plans that were \
+         accepted.",
         &[
             "source of nonconvexity",
             "paper's technique",
@@ -149,10 +151,12 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows.to_vec(),
     );
     chapter.differs(
-        "the paper prints one residual, below 1e-10, of what it does not say. z = ln m makes the mass rate linear; the Taylor step it names is \
-         for the bounds ρ e^−z. Here the roll-out is exact, so that only the target's position and the frozen masses are iterated, and a \
-         plan is accepted on an independent re-propagation: below 1 cm and 1 cm/s, losslessness below 1e-4. Times stand in the benchmark \
-         (`cargo bench -p cosim --bench guidance`), since no result here depends on a clock.",
+        "the paper prints one residual, below 1e-10, of what it does not say. z = ln m makes \
+         the mass rate linear; the Taylor step it names is for the bounds ρ e^−z. Here the \
+         roll-out is exact, so that only the target's position and the frozen masses are \
+         iterated, and a plan is accepted on an independent re-propagation: below 1 cm and 1 \
+         cm/s, losslessness below 1e-4. Times stand in the benchmark (`cargo bench -p cosim \
+         --bench guidance`), since no result here depends on a clock.",
     );
     chapter.figure(sets_of_thrust(&sets, inputs)?);
     Ok(chapter)
@@ -239,9 +243,10 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
     parts += &lifted.axes("(b) lifted", "‖T‖, N", "σ, N");
     Ok(Figure {
         name: "lossless-convexification".to_owned(),
-        caption: "Fig. 5 (fig:thrust_constraint) with the thrusts of all accepted plans. (a): between the arcs of 800 and 5,200 N, within the tilt \
-                  limits (dashed: 29° and 60°), away from the dead zone (red). (b): on the edge of the lifted cone, where the relaxation \
-                  is lossless."
+        caption: "Fig. 5 (fig:thrust_constraint) with the thrusts of all accepted plans. (a): \
+                  between the arcs of 800 and 5,200 N, within the tilt limits (dashed: 29° and \
+                  60°), away from the dead zone (red). (b): on the edge of the lifted cone, \
+                  where the relaxation is lossless."
             .to_owned(),
         svg: picture(940.0, 495.0, &parts),
         csv,

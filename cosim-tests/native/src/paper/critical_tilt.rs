@@ -77,7 +77,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Critical tilt: equation (eq:feasibility)");
     chapter.table(
         "critical-tilt",
-        "θ_crit = arccos(m g/ρ_min), and the least tilt limit at which the planner finds a flight with the engine always on.",
+        "θ_crit = arccos(m g/ρ_min), and the least tilt limit at which the planner finds a \
+         flight with the engine always on.",
         &[
             "mass, kg",
             "printed, deg",
@@ -90,10 +91,12 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows,
     );
     chapter.differs(format!(
-        "θ_crit grows as propellant is used: the printed 60° of the thrust vector control exceeds it for the first {} kg only \
-         ({} kg and above), and with the least thrust that was fired never. It separates having a net downward acceleration with the engine on from \
-         having none, not the feasible from the infeasible: a vehicle at rest needs somewhat more than θ_crit, one that arrives \
-         fast may be lifted all the way and lands with less.",
+        "θ_crit grows as propellant is used: the printed 60° of the thrust vector control \
+         exceeds it for the first {} kg only ({} kg and above), and with the least thrust that \
+         was fired never. It separates having a net downward acceleration with the engine on \
+         from having none, not the feasible from the infeasible: a vehicle at rest needs \
+         somewhat more than θ_crit, one that arrives fast may be lifted all the way and lands \
+         with less.",
         cell(wet_kg - crossing_kg, 1),
         cell(crossing_kg, 2),
     ));
@@ -150,7 +153,9 @@ fn curve(
     parts += &frame.axes("", "mass, kg", "tilt limit, deg");
     Ok(Figure {
         name: "critical-tilt".to_owned(),
-        caption: "The critical tilt over the mass; dots: the least limit at which a flight with the engine always on is found.".to_owned(),
+        caption: "The critical tilt over the mass; dots: the least limit at which a flight with \
+                  the engine always on is found."
+            .to_owned(),
         svg: picture(720.0, 395.0, &parts),
         csv,
     })

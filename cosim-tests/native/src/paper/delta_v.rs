@@ -43,7 +43,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows.to_vec(),
     );
     chapter.differs(
-        "g0 by 0.03 %; and one figure stands for a range of 118 m/s, since the specific impulse is known to ±7 % only.",
+        "g0 by 0.03 %; and one figure stands for a range of 118 m/s, since the specific impulse \
+         is known to ±7 % only.",
     );
     let mut spent = Vec::new();
     for start in [Start::Descent, Start::Hop] {
@@ -63,7 +64,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     }
     chapter.table(
         "delta-v-spent",
-        "What minimum-fuel flights of this kit's scenarios take of it (29°, engine on and off, to rest at the target).",
+        "What minimum-fuel flights of this kit's scenarios take of it (29°, engine on and off, \
+         to rest at the target).",
         &["flight", "duration, s", "propellant, kg", "ΔV, m/s", "of the budget, %"],
         spent,
     );

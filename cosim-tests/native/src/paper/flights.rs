@@ -56,7 +56,8 @@ impl Scheme {
             .replacen("runs = { value = 1000,", &format!("runs = {{ value = {runs},"), 1);
         let design = |key: &str, value: &str| {
             format!(
-                "\n[[design]]\nkey = \"scenario.guidance.{key}\"\ndistribution = \"constant\"\nvalue = {value}\n"
+                "\n[[design]]\nkey = \"scenario.guidance.{key}\"\ndistribution = \
+                 \"constant\"\nvalue = {value}\n"
             )
         };
         text +=

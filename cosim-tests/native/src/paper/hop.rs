@@ -106,7 +106,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Hop trajectories: Fig. 6");
     chapter.table(
         "hop",
-        "The hop of 200 m over the tilt limit: planned within the engine's whole range, and flown to rest by the closed loop.",
+        "The hop of 200 m over the tilt limit: planned within the engine's whole range, and \
+         flown to rest by the closed loop.",
         &[
             "tilt limit, deg",
             "plan: propellant, kg",
@@ -123,9 +124,10 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows.collect(),
     );
     chapter.differs(
-        "the paper's figure gives neither distance nor numbers. A plan is a point's, from rest 5 m up to rest; a flight lifts off, turns a body \
-         of 140 kg m² at a finite rate, keeps the thrust between 900 and 2,500 N so that tracking has room, brakes to cut-off and falls the \
-         last 0.45 m onto its legs.",
+        "the paper's figure gives neither distance nor numbers. A plan is a point's, from rest \
+         5 m up to rest; a flight lifts off, turns a body of 140 kg m² at a finite rate, keeps \
+         the thrust between 900 and 2,500 N so that tracking has room, brakes to cut-off and \
+         falls the last 0.45 m onto its legs.",
     );
     chapter.figure(paths(&planned, &flown));
     Ok(chapter)

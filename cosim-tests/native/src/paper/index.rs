@@ -27,8 +27,9 @@ const ROWS: [(&str, &str); 16] = [
 pub fn table() -> Table {
     Table {
         name: "contents".to_owned(),
-        caption: "The paper's tables, figures and results, and where they stand here. Beyond the paper: dynamic tip-over, contact state and outcomes \
-                  of the Monte Carlo, replanning cadence."
+        caption: "The paper's tables, figures and results, and where they stand here. Beyond \
+                  the paper: dynamic tip-over, contact state and outcomes of the Monte Carlo, \
+                  replanning cadence."
             .to_owned(),
         header: ["in the paper", "here"].map(str::to_owned).to_vec(),
         rows: ROWS.map(|(paper, here)| vec![paper.to_owned(), here.to_owned()]).to_vec(),

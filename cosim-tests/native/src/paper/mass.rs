@@ -65,7 +65,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Centre of mass and inertia: Table IV");
     chapter.table(
         "mass-properties",
-        "Table IV (tab:cg_inertia) beside the mass model: structure and propellant as two bodies (M.1, M.2).",
+        "Table IV (tab:cg_inertia) beside the mass model: structure and propellant as two \
+         bodies (M.1, M.2).",
         &[
             "property (paper's axes)",
             "unit",
@@ -82,10 +83,11 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let drop_m = property(0, &bug.mass.at(fills_kg[0])) - property(0, &bug.mass.at(0.0));
     let shrink = 1.0 - property(2, &bug.mass.at(0.0)) / property(2, &bug.mass.at(fills_kg[0]));
     chapter.differs(format!(
-        "nothing beyond rounding, wet and dry; the mid row, whose fill is not printed, is met within 0.3 % at {} kg, what 20 s of a hover on \
-         Earth at {} N leave. A lunar landing uses some 8 of the 85.5 kg: it touches down nearly wet, not dry. Descent of the centre of \
-         mass {} m (printed {}), reduction of J_xx {} % (printed {} %). The paper's truth has three degrees of freedom and can't \
-         feel either; this kit's has six.",
+        "nothing beyond rounding, wet and dry; the mid row, whose fill is not printed, is met \
+         within 0.3 % at {} kg, what 20 s of a hover on Earth at {} N leave. A lunar landing \
+         uses some 8 of the 85.5 kg: it touches down nearly wet, not dry. Descent of the centre \
+         of mass {} m (printed {}), reduction of J_xx {} % (printed {} %). The paper's truth \
+         has three degrees of freedom and can't feel either; this kit's has six.",
         cell(mid_kg, 2),
         cell(bug.mass.wet_mass_kg() * G0_M_S2, 0),
         cell(drop_m, 3),

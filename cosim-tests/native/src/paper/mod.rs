@@ -116,8 +116,10 @@ impl Order {
     }
 }
 
+type Make = fn(&Inputs) -> Result<Chapter, Error>;
+
 /// In the order of the paper.
-const CHAPTERS: [fn(&Inputs) -> Result<Chapter, Error>; 14] = [
+const CHAPTERS: [Make; 14] = [
     tip_over::chapter,
     dynamic_tip::chapter,
     parameters::vehicle,
@@ -138,8 +140,9 @@ const CHAPTERS: [fn(&Inputs) -> Result<Chapter, Error>; 14] = [
 pub fn page(chapters: Vec<Chapter>) -> Page {
     let mut page = Page::new("The paper's results, as printed and as found");
     page.paragraph(
-        "Every table and figure of \"Integrated Lander-Propulsion-GNC Framework for Autonomous Lunar Powered Descent\": what it prints, \
-         what its own formula gives, what the models of this kit give, and what differs and why.",
+        "Every table and figure of \"Integrated Lander-Propulsion-GNC Framework for Autonomous \
+         Lunar Powered Descent\": what it prints, what its own formula gives, what the models \
+         of this kit give, and what differs and why.",
     );
     page.filed_table(index::table());
     for chapter in chapters {

@@ -144,7 +144,8 @@ fn side_view(bug: &Vehicle) -> Figure {
     let mut parts = line(at(-2.6, 0.0), at(2.6, 0.0), "#999");
     let [left, top] = at(-hull.radius_m, hull.top_height_m);
     parts += &format!(
-        "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#edf2f7\" stroke=\"#333\"/>\n",
+        "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#edf2f7\" \
+         stroke=\"#333\"/>\n",
         2.0 * SCALE * hull.radius_m,
         SCALE * (hull.top_height_m - hull.bottom_height_m)
     );
@@ -166,34 +167,44 @@ fn side_view(bug: &Vehicle) -> Figure {
             &line(at(0.03 * side, pivot), at(side * engine.nozzle_exit_radius_m, exit), "#333");
     }
     let com = at(0.0, wet.z);
-    for (reach_m, colour, words, y) in [
-        (pad_m, "#2b6cb0", "to a pad: 52.0° wet (printed 52°)", 0.55),
-        (edge_m, "#c53030", "to an edge: 42.2° wet", 0.27),
-    ] {
+    for (reach_m, colour, words, y) in
+        [(pad_m, "#2b6cb0", "to a pad", 0.55), (edge_m, "#c53030", "to an edge", 0.27)]
+    {
         let style = format!("stroke=\"{colour}\" stroke-dasharray=\"6 4\"");
         parts += &styled_line(com, at(reach_m, 0.0), &style);
         let [x, y] = at(2.0, y);
+        let words = format!("{words}: {:.1}° wet", reach_m.atan2(wet.z).to_degrees());
         parts +=
-            &format!("<g fill=\"{colour}\">{}</g>\n", text(x, y, "start", 12, words).trim_end());
+            &format!("<g fill=\"{colour}\">{}</g>\n", text(x, y, "start", 12, &words).trim_end());
     }
     let cross = "stroke=\"#c53030\" stroke-width=\"2\"";
     parts += &styled_line([com[0] - 7.0, com[1]], [com[0] + 7.0, com[1]], cross);
     parts += &styled_line([com[0], com[1] - 7.0], [com[0], com[1] + 7.0], cross);
-    parts += &text(com[0], com[1] - 12.0, "middle", 12, "CoM 1.47 m");
-    parts += &dimension(at(-pad_m, -0.18), at(pad_m, -0.18), "D = 3.77 m");
+    parts += &text(com[0], com[1] - 12.0, "middle", 12, &format!("CoM {:.2} m", wet.z));
+    parts += &dimension(at(-pad_m, -0.18), at(pad_m, -0.18), &format!("D = {:.2} m", 2.0 * pad_m));
     parts += &line(at(-2.35, 0.0), at(-2.35, hull.top_height_m), "#555");
     let [x, y] = at(-2.4, 0.5 * hull.top_height_m);
-    parts += &text(x, y, "end", 12, "H = 2.26 m");
+    parts += &text(x, y, "end", 12, &format!("H = {:.2} m", hull.top_height_m));
+    let mut csv = "part,x_m,z_m\n".to_owned();
+    for (part, x_m, z_m) in [
+        ("pad", pad_m, 0.0),
+        ("edge", edge_m, 0.0),
+        ("centre of mass, wet", 0.0, wet.z),
+        ("top", hull.radius_m, hull.top_height_m),
+        ("bottom", hull.radius_m, hull.bottom_height_m),
+        ("gimbal pivot", 0.0, pivot),
+        ("nozzle exit", engine.nozzle_exit_radius_m, exit),
+    ] {
+        csv += &format!("\"{part}\",{x_m},{z_m}\n");
+    }
+    let caption = "Fig. 1 (fig:lander_vehicle): BUG from the side, to scale, drawn from \
+                   models/vehicles/bug.toml. Pads, H, D and centre of mass are the paper's, body, legs \
+                   and engine are assumed; pads are shown turned into the picture. Printed is 52°.";
     Figure {
         name: "vehicle".to_owned(),
-        caption: "Fig. 1 (fig:lander_vehicle): BUG from the side, to scale, drawn from models/vehicles/bug.toml. Pads, H, D and \
-                  centre of mass are the paper's, body, legs and engine are assumed; pads are shown turned into the picture."
-            .to_owned(),
+        caption: caption.to_owned(),
         svg: picture(820.0, 335.0, &parts),
-        csv: format!(
-            "part,x_m,z_m\npad,{pad_m},0\nedge,{edge_m},0\ncentre of mass wet,{},{}\ntop,{},{}\nbottom,{},{}\ngimbal pivot,0,{pivot}\nnozzle exit,{},{exit}\n",
-            wet.x, wet.z, hull.radius_m, hull.top_height_m, hull.radius_m, hull.bottom_height_m, engine.nozzle_exit_radius_m
-        ),
+        csv,
     }
 }
 
@@ -238,7 +249,8 @@ pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
                 format!("{} (middle)", cell(0.5 * (isp_s[0] + isp_s[1]), 0)),
                 cell(engine.isp_s, 0),
             ],
-            "constant 225 s by default; a table over throttle, 210 to 240 s, on request (assumed linear)",
+            "constant 225 s by default; a table over throttle, 210 to 240 s, on request \
+             (assumed linear)",
         ),
         row(
             "dead zone below",
@@ -279,7 +291,8 @@ pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
                 format!("ratio {}", cell(fired_n[1] / fired_n[0], 2)),
                 "not a model".into(),
             ],
-            "said to exceed 800 to 5200 N; the lower end was not shown: the ratio fired is 4.5, not 6.5",
+            "said to exceed 800 to 5200 N; the lower end was not shown: the ratio fired is 4.5, \
+             not 6.5",
         ),
     ];
     chapter.table(
@@ -323,8 +336,9 @@ pub fn perturbations(inputs: &Inputs) -> Result<Chapter, Error> {
         rows?,
     );
     chapter.differs(
-        "the paper names no distribution and no time scale. Here all are normal; noise and jitter have a correlation time of 0.05 s, half of \
-         the paper's step, so that they mean the same whatever the integrator's step.",
+        "the paper names no distribution and no time scale. Here all are normal; noise and \
+         jitter have a correlation time of 0.05 s, half of the paper's step, so that they mean \
+         the same whatever the integrator's step.",
     );
     Ok(chapter)
 }

@@ -55,8 +55,9 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Tilt sweep: section V-B, Fig. 6 as numbers");
     chapter.table(
         "tilt-sweep",
-        "Propellant (kg) and flight time (s) over the limit of the thrust's tilt, wet mass. The paper prints no number, only that both \
-         decrease with the limit. A word instead of a number is the planner's reason for no plan.",
+        "Propellant (kg) and flight time (s) over the limit of the thrust's tilt, wet mass. The \
+         paper prints no number, only that both decrease with the limit. A word instead of a \
+         number is the planner's reason for no plan.",
         &[
             "tilt limit, deg",
             "descent, on/off, kg",
@@ -71,9 +72,11 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         rows.collect(),
     );
     chapter.differs(
-        "with an engine that switches, propellant and time fall with the limit, as printed, and there is a flight at every one of them: no \
-         \"sharp feasibility transition\". The transition is that of the engine that never stops, which takes 40 to 100 % more propellant and finds its first flight \
-         near 59° from rest, where θ_crit lets it, and near 47° for a descent that arrives fast. It can't be \"strictly on\" at 29°.",
+        "with an engine that switches, propellant and time fall with the limit, as printed, and there is \
+         a flight at every one of them: no \"sharp feasibility transition\". The transition is that of the \
+         engine that never stops, which takes far more propellant and finds its first flight where θ_crit \
+         lets it, a descent that arrives fast some ten degrees below (chapter above). It can't be \
+         \"strictly on\" at 29°.",
     );
     chapter.figure(curves(&limits_deg, &sweeps));
     Ok(chapter)
@@ -134,7 +137,9 @@ fn curves(limits_deg: &[f64], sweeps: &[Found]) -> Figure {
     }
     Figure {
         name: "tilt-sweep".to_owned(),
-        caption: "Propellant and flight time of minimum-propellant flights over the tilt limit; no point where there is no plan.".to_owned(),
+        caption: "Propellant and flight time of minimum-propellant flights over the tilt limit; \
+                  no point where there is no plan."
+            .to_owned(),
         svg: picture(900.0, 345.0, &parts),
         csv,
     }

@@ -122,8 +122,9 @@ pub fn figure(inputs: &Inputs) -> Result<Figure, Error> {
     Ok(Figure {
         name: "trajectories".to_owned(),
         caption: format!(
-            "Fig. 7 (fig:mc_cl_trajectories): the first {NOMINAL} landings without a failure mode and up to {FAILED} with one, and the undisturbed \
-             reference, in six degrees of freedom; dots: where they came to rest."
+            "Fig. 7 (fig:mc_cl_trajectories): the first {NOMINAL} landings without a failure \
+             mode and up to {FAILED} with one, and the undisturbed reference, in six degrees of \
+             freedom; dots: where they came to rest."
         ),
         svg: picture(930.0, 695.0, &parts),
         csv,
