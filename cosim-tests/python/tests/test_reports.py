@@ -116,10 +116,12 @@ def browse(page: Path, *options: str) -> subprocess.CompletedProcess:
 def look_at(page: Path) -> Seen:
     html = page.read_text(encoding="utf-8")
     instrumented = page.with_name("measured.html")
-    instrumented.write_text(html.replace("</body>", f"<script>{MEASURE}</script></body>"), encoding="utf-8")
+    script = f"<script>{MEASURE}</script></body>"
+    instrumented.write_text(html.replace("</body>", script), encoding="utf-8")
     size = f"--window-size={WIDTH},800"
     document = browse(instrumented, size, "--dump-dom").stdout
-    measured = json.loads(unescape(re.search(r'<pre id="measured">(.*?)</pre>', document, re.S)[1]))
+    found = re.search(r'<pre id="measured">(.*?)</pre>', document, re.DOTALL)[1]
+    measured = json.loads(unescape(found))
     shot = page.with_name("shot.png")
     size = f"--window-size={WIDTH},{int(measured['height'])}"
     done = browse(page, size, f"--screenshot={shot}", "--enable-logging=stderr")
@@ -127,7 +129,11 @@ def look_at(page: Path) -> Seen:
     return Seen(html, measured, errors, image.imread(shot)[..., :3])
 
 
-STUDIES = {"campaign": (CAMPAIGN, "small/report.html"), "rare": (CAMPAIGN, "small/rare-event.html"), "map": (MAP, "mapped/report.html")}
+STUDIES = {
+    "campaign": (CAMPAIGN, "small/report.html"),
+    "rare": (CAMPAIGN, "small/rare-event.html"),
+    "map": (MAP, "mapped/report.html"),
+}
 
 
 @pytest.fixture(scope="module", params=["paper", *STUDIES])
@@ -148,7 +154,8 @@ def report(request, tmp_path_factory) -> Seen:
 
 
 def test_it_needs_nothing_else_and_the_browser_has_no_complaint(report):
-    assert not re.search(r"""(src|href)\s*=|@import|url\(|fetch\(|<script|https?://(?!www\.w3\.org)""", report.html)
+    elsewhere = r"""(src|href)\s*=|@import|url\(|fetch\(|<script|https?://(?!www\.w3\.org)"""
+    assert not re.search(elsewhere, report.html)
     assert report.errors == []
 
 
@@ -163,7 +170,8 @@ def test_every_figure_is_drawn_and_its_words_can_be_read(report):
     for figure in figures:
         assert figure["shapes"] >= 5
         assert (figure["out"], figure["small"], figure["over"]) == ([], [], []), figure
-        left, top, right, bottom = (round(figure["box"][side]) for side in ("left", "top", "right", "bottom"))
+        sides = ("left", "top", "right", "bottom")
+        left, top, right, bottom = (round(figure["box"][side]) for side in sides)
         drawn = report.picture[top:bottom, left:right].min(axis=-1) < 0.9
         # An empty frame with its axes covers less than a hundredth; a bar fills a third of its picture's rows.
         assert drawn.mean() > 0.01 and drawn.any(axis=1).mean() > 0.3
