@@ -9,9 +9,10 @@ use lander_models::scenario::Disturbances;
 use lander_models::vehicle::{G0_M_S2, Vehicle};
 
 const BUG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/vehicles/bug.toml");
+const PRINTED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/paper/printed.toml");
 
 fn printed() -> Section {
-    Section::read(Path::new(BUG), true).unwrap().section("as_printed").unwrap()
+    Section::read(Path::new(PRINTED), true).unwrap()
 }
 
 fn number(key: &str, unit: &str) -> f64 {

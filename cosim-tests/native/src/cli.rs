@@ -2,6 +2,7 @@
 
 mod campaign;
 mod map;
+mod paper;
 mod rare;
 
 use std::io::{BufReader, ErrorKind, Read, Write};
@@ -84,6 +85,8 @@ enum Command {
     Map(map::Map),
     /// Estimate the probability of a rare tip-over among a study's touchdowns, by subset simulation
     Rare(rare::Rare),
+    /// Reproduce the paper's tables and figures, as printed beside what this kit finds
+    Paper(paper::Paper),
 }
 
 #[derive(Args)]
@@ -146,6 +149,7 @@ impl Cli {
             Command::Campaign(campaign) => campaign.execute(),
             Command::Map(map) => map.execute(),
             Command::Rare(rare) => rare.execute(),
+            Command::Paper(paper) => paper.execute(),
         }
     }
 }
@@ -192,9 +196,14 @@ fn kit_file(given: PathBuf, folder: &str) -> PathBuf {
     if !bare || given.is_file() {
         return given;
     }
+    kit_folder(folder).join(given).with_extension("toml")
+}
+
+/// A folder of the kit around the current folder.
+fn kit_folder(folder: &str) -> PathBuf {
     let here = std::env::current_dir().unwrap_or_default();
     let kit = here.ancestors().map(|above| above.join(folder)).find(|folder| folder.is_dir());
-    kit.unwrap_or_else(|| folder.into()).join(given).with_extension("toml")
+    kit.unwrap_or_else(|| folder.into())
 }
 
 /// Every row goes to the landing and to `watch`.

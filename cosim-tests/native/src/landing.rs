@@ -33,6 +33,8 @@ pub enum Error {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
+    Paper(#[from] crate::paper::Error),
+    #[error(transparent)]
     Recorder(#[from] RecorderError),
     #[error("{}: {source}", file.display())]
     File { file: PathBuf, source: std::io::Error },

@@ -10,6 +10,7 @@ pub mod landing;
 pub mod layout;
 pub mod map;
 pub mod master;
+pub mod paper;
 pub mod progress;
 pub mod recorder;
 pub mod relief;

@@ -98,8 +98,13 @@ pub fn picture(width: f64, height: f64, parts: &str) -> String {
 }
 
 pub fn line(from: [f64; 2], to: [f64; 2], stroke: &str) -> String {
+    styled_line(from, to, &format!("stroke=\"{stroke}\""))
+}
+
+/// `style` is attributes, `stroke` among them.
+pub fn styled_line(from: [f64; 2], to: [f64; 2], style: &str) -> String {
     format!(
-        "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" stroke=\"{stroke}\"/>\n",
+        "<line x1=\"{:.2}\" y1=\"{:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" {style}/>\n",
         from[0], from[1], to[0], to[1]
     )
 }

@@ -25,7 +25,7 @@ pub use sensors::{
 pub use slosh::{MAX_TANKS, Slosh};
 
 use crate::mass::MassModel;
-use crate::quantity::{ConfigError, Section};
+use crate::quantity::{ConfigError, Limit, Section};
 
 /// Standard gravity of the I_sp definition, m/s² (CGPM 1901).
 pub const G0_M_S2: f64 = 9.80665;
@@ -33,6 +33,9 @@ pub const G0_M_S2: f64 = 9.80665;
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     pub name: String,
+    /// Lowest and highest that the centre of mass may stand above O, of a vehicle of which it is not known;
+    /// `mass` then has one in between.
+    pub com_height_range_m: Option<[f64; 2]>,
     pub mass: MassModel,
     pub engine: Engine,
     pub rcs: Rcs,
@@ -62,6 +65,7 @@ impl Vehicle {
         let mass = mass::read(&root)?;
         let vehicle = Self {
             name: root.text("name")?,
+            com_height_range_m: read_com_height_range(&root, &mass)?,
             gear: gear::read(&root, &mass)?,
             slosh: slosh::read(&root, &mass)?,
             mass,
@@ -70,9 +74,24 @@ impl Vehicle {
             hull: hull::read(&root)?,
             sensors: sensors::read(&root)?,
         };
-        // Numbers the paper prints but the models derive; `tests/paper.rs` holds one against the other.
-        root.optional_section("as_printed")?;
         root.finish()?;
         Ok(vehicle)
     }
+}
+
+fn read_com_height_range(
+    root: &Section,
+    mass: &MassModel,
+) -> Result<Option<[f64; 2]>, ConfigError> {
+    const KEY: &str = "com_height_range";
+    if !root.has(KEY) {
+        return Ok(None);
+    }
+    let [low_m, high_m] = root.vector(KEY, "m", Limit::Positive)?;
+    let height_m = mass.dry.com_b.z;
+    if !(low_m..=high_m).contains(&height_m) {
+        let need = format!("must hold the height in mass.dry_com_b, {height_m} m");
+        return Err(root.error(KEY, format!("is {low_m} to {high_m} m, {need}")));
+    }
+    Ok(Some([low_m, high_m]))
 }

@@ -7,7 +7,9 @@ pub mod map;
 pub mod rare;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 
 use crate::landing::{Error, write_whole};
 use crate::study::{Study, StudyError};
@@ -23,22 +25,76 @@ pub struct Figure {
     pub csv: String,
 }
 
+/// A table that is also a file.
+#[derive(Clone, Debug, Serialize)]
+pub struct Table {
+    /// Of its file.
+    pub name: String,
+    pub caption: String,
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Columns without any cell that begins with a number.
+    fn columns_of_words(&self) -> impl Iterator<Item = usize> {
+        let number = |cell: &String| {
+            cell.split([' ', '<']).find(|w| !w.is_empty()).is_some_and(|w| w.parse::<f64>().is_ok())
+        };
+        let words =
+            move |column: &usize| !self.rows.iter().filter_map(|row| row.get(*column)).any(number);
+        (0..self.header.len()).filter(words)
+    }
+
+    /// The cells as the page shows them.
+    pub fn csv(&self) -> String {
+        let lines = std::iter::once(&self.header).chain(&self.rows);
+        lines
+            .map(|cells| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n")
+            .collect()
+    }
+}
+
+/// Columns of words beyond these are not laid out as such.
+const COLUMNS: usize = 15;
+
+/// Styles of the classes `w1`, `w2` …: a column of words is read from the left.
+fn style_of_words() -> String {
+    let column = |n: usize| format!(".w{n} td:nth-child({n}),.w{n} th:nth-child({n})");
+    let columns: Vec<String> = (1..=COLUMNS).map(column).collect();
+    columns.join(",") + "{text-align:left}"
+}
+
+/// A cell of CSV (RFC 4180).
+fn quoted(cell: &str) -> String {
+    match cell.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.to_owned(),
+    }
+}
+
 /// A page as it is written.
 pub struct Page {
     title: String,
     body: String,
     figures: Vec<Figure>,
+    tables: Vec<Table>,
 }
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1040px;margin:2em auto;padding:0 1em;color:#222}\
     table{border-collapse:collapse;margin:.6em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}\
     th{background:#f2f2f2}td:first-child,th:first-child,.t td,.t th{text-align:left}\
     pre{background:#f6f6f6;padding:.8em;overflow:auto;font-size:13px}figure{margin:1.2em 0}\
-    figcaption{color:#555;font-size:13px;max-width:760px}svg{max-width:100%;height:auto}";
+    figcaption,.caption{color:#555;font-size:13px;max-width:760px}.caption{margin-top:0}svg{max-width:100%;height:auto}";
 
 impl Page {
     pub fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), body: String::new(), figures: Vec::new() }
+        Self {
+            title: title.to_owned(),
+            body: String::new(),
+            figures: Vec::new(),
+            tables: Vec::new(),
+        }
     }
 
     pub fn heading(&mut self, words: &str) {
@@ -74,6 +130,20 @@ impl Page {
         self.body += "</table>\n";
     }
 
+    /// A table with its own file.
+    pub fn filed_table(&mut self, table: Table) {
+        let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
+        let class: Vec<String> =
+            table.columns_of_words().map(|column| format!("w{}", column + 1)).collect();
+        self.table(&class.join(" "), &header, &table.rows);
+        self.body += &format!(
+            "<p class=\"caption\">{} Data: tables/{}.csv.</p>\n",
+            escaped(&table.caption),
+            table.name
+        );
+        self.tables.push(table);
+    }
+
     pub fn figure(&mut self, figure: Figure) {
         self.body += &format!(
             "<figure>{}<figcaption>{} Data: figures/{}.csv.</figcaption></figure>\n",
@@ -95,24 +165,34 @@ impl Page {
     }
 
     pub fn to_html(&self) -> String {
-        let (title, body) = (escaped(&self.title), &self.body);
+        let (title, body, words) = (escaped(&self.title), &self.body, style_of_words());
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
-             <style>{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n{body}</body></html>\n"
+             <style>{STYLE}{words}</style></head>\n<body>\n<h1>{title}</h1>\n{body}</body></html>\n"
         )
     }
 
-    /// Writes `NAME.html` and the figures' files.
+    /// Writes `NAME.html` and the files of figures and tables.
     pub fn write(&self, folder: &Path, name: &str) -> Result<(), Error> {
-        let figures = folder.join("figures");
-        fs::create_dir_all(&figures)
-            .map_err(|source| StudyError::File { file: figures.clone(), source })?;
+        let figures = made(folder.join("figures"))?;
+        if !self.tables.is_empty() {
+            let tables = made(folder.join("tables"))?;
+            for table in &self.tables {
+                write_whole(&tables.join(format!("{}.csv", table.name)), &table.csv())?;
+            }
+        }
         for figure in &self.figures {
             write_whole(&figures.join(format!("{}.svg", figure.name)), &figure.svg)?;
             write_whole(&figures.join(format!("{}.csv", figure.name)), &figure.csv)?;
         }
         write_whole(&folder.join(format!("{name}.html")), &self.to_html())
     }
+}
+
+fn made(folder: PathBuf) -> Result<PathBuf, Error> {
+    fs::create_dir_all(&folder)
+        .map_err(|source| StudyError::File { file: folder.clone(), source })?;
+    Ok(folder)
 }
 
 /// A share as per cent with its bounds.

@@ -58,7 +58,7 @@ fn levels(found: &RareEvent) -> Figure {
     let levels = &found.estimate.levels;
     let exponent = |p: f64| p.max(1e-12).log10();
     let last = levels.last().map_or(1.0, |level| level.probability);
-    let widest = levels.first().map_or(1.0, |level| level.bound).max(1e-9);
+    let widest = levels.first().map_or(1.0, |level| level.bound).max(0.01);
     let frame = Frame {
         left: 60.0,
         top: 24.0,

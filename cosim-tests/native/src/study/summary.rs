@@ -206,7 +206,7 @@ fn sobol_indices(study: &Study, data: &Data) -> Vec<SobolIndex> {
 }
 
 impl Group {
-    fn new<'a>(failures: &str, outcomes: impl IntoIterator<Item = &'a String>) -> Self {
+    pub fn new<'a>(failures: &str, outcomes: impl IntoIterator<Item = &'a String>) -> Self {
         let outcomes: Vec<&String> = outcomes.into_iter().collect();
         let runs = outcomes.len();
         let names = Outcome::ALL.map(Outcome::name).into_iter().chain(["failed"]);

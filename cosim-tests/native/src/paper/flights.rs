@@ -1,0 +1,144 @@
+//! The report's landings: the campaign `paper-monte-carlo` under several guidance schemes, resumable.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use crate::landing::Error;
+use crate::study::campaign::{Campaign, End};
+use crate::study::data::Data;
+use crate::study::row::Columns;
+use crate::study::{Study, StudyError};
+
+/// The study that every scheme flies: its disturbances and failure modes.
+const BASE: &str = "campaigns/paper-monte-carlo.toml";
+/// Longer than any flight.
+const NEVER_S: f64 = 60.0;
+
+/// How guidance flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Between two plans.
+    pub replan_s: f64,
+    /// Whether plans are followed with feedback, engine errors compensated, failures answered and the terminal law
+    /// lands; else each plan's thrust is flown as it stands.
+    pub feedback: bool,
+}
+
+/// One plan, its thrust flown to the end.
+pub const OPEN_LOOP: Scheme = Scheme { replan_s: NEVER_S, feedback: false };
+/// The paper's: a plan each ten seconds, its thrust flown in between.
+pub const PAPER: Scheme = Scheme { replan_s: 10.0, feedback: false };
+/// This kit's.
+pub const CLOSED_LOOP: Scheme = Scheme { replan_s: 0.5, feedback: true };
+/// Replanning periods of the sweep, s.
+pub const CADENCE_S: [f64; 5] = [10.0, 5.0, 2.0, 1.0, 0.5];
+
+impl Scheme {
+    pub fn name(&self) -> String {
+        let laws = if self.feedback { "feedback" } else { "plan-only" };
+        match self.replan_s {
+            NEVER_S => format!("open-loop-{laws}"),
+            period_s => format!("{laws}-{}ms", (1e3 * period_s).round()),
+        }
+    }
+
+    /// The scheme's study.
+    ///
+    /// # Errors
+    /// A study or a file of it that is missing or wrong.
+    pub fn study(&self, models: &Path, runs: u64) -> Result<Study, StudyError> {
+        let file = models.join(BASE);
+        let text = std::fs::read_to_string(&file)
+            .map_err(|source| StudyError::File { file: file.clone(), source })?;
+        let mut text = text
+            .replacen("name = \"paper-monte-carlo\"", &format!("name = \"{}\"", self.name()), 1)
+            .replacen("runs = { value = 1000,", &format!("runs = {{ value = {runs},"), 1);
+        let design = |key: &str, value: &str| {
+            format!(
+                "\n[[design]]\nkey = \"scenario.guidance.{key}\"\ndistribution = \
+                 \"constant\"\nvalue = {value}\n"
+            )
+        };
+        text +=
+            &design("replan_period", &format!("{{ value = {:?}, unit = \"s\" }}", self.replan_s));
+        let word = if self.feedback { "\"on\"" } else { "\"off\"" };
+        for law in ["compensation", "tracking", "terminal_law", "fault_response"] {
+            text += &design(law, word);
+        }
+        Study::parse(&file, &text)
+    }
+}
+
+/// The landings of one scheme.
+pub struct Flown {
+    pub scheme: Scheme,
+    pub study: Study,
+    pub columns: Columns,
+    pub data: Data,
+}
+
+/// All landings of the report: of N runs the open loop, the paper's and this kit's, and a fifth as many, 20 at least,
+/// of every other cadence.
+pub struct Flights(Vec<Flown>);
+
+impl Flights {
+    /// Flies what is not there yet below `folder`. `None` if interrupted.
+    ///
+    /// # Errors
+    /// A study that is wrong, a folder that can't be written.
+    pub fn fly(
+        models: &Path,
+        folder: &Path,
+        runs: u64,
+        threads: usize,
+        interrupted: &AtomicBool,
+    ) -> Result<Option<Self>, Error> {
+        let fewer = (runs / 5).max(20).min(runs);
+        let main = [OPEN_LOOP, PAPER, CLOSED_LOOP];
+        let sweep = [false, true]
+            .into_iter()
+            .flat_map(|feedback| CADENCE_S.map(|replan_s| Scheme { replan_s, feedback }));
+        let mut schemes: Vec<(Scheme, u64)> = main.map(|scheme| (scheme, runs)).to_vec();
+        schemes.extend(sweep.filter(|scheme| !main.contains(scheme)).map(|scheme| (scheme, fewer)));
+        let count = schemes.len();
+        let mut flown = Vec::new();
+        for (number, (scheme, runs)) in (1..).zip(schemes) {
+            // Nobody has to listen.
+            let _ = writeln!(std::io::stderr(), "landings {number} of {count}: {}", scheme.name());
+            let study = scheme.study(models, runs)?;
+            let columns = Columns::new(&study)?;
+            let campaign = Campaign::new(&study, &columns, folder);
+            if campaign.run(None, threads, interrupted)? == End::Interrupted {
+                return Ok(None);
+            }
+            let data = Data::read(&campaign)?;
+            flown.push(Flown { scheme, study, columns, data });
+        }
+        Ok(Some(Self(flown)))
+    }
+
+    /// The landings of a scheme; every one of `fly` is there.
+    pub fn of(&self, scheme: Scheme) -> Option<&Flown> {
+        self.0.iter().find(|flown| flown.scheme == scheme)
+    }
+}
+
+impl Flown {
+    /// What was measured of a result, rising.
+    pub fn sorted(&self, result: &str) -> Vec<f64> {
+        let mut values = self.data.column(result).unwrap_or_default().to_vec();
+        values.retain(|value| value.is_finite());
+        values.sort_by(f64::total_cmp);
+        values
+    }
+
+    /// Runs with an outcome.
+    pub fn count(&self, outcome: &str) -> usize {
+        self.data.outcomes.iter().filter(|found| *found == outcome).count()
+    }
+
+    pub fn runs(&self) -> usize {
+        self.data.outcomes.len()
+    }
+}
