@@ -30,7 +30,7 @@ pub const TRIALS: [(&str, Trial); 13] = [
 const STEPS: u32 = 100;
 const SAVED: u32 = 40;
 const THREADS: usize = 4;
-const INSTANCES: usize = 1000;
+const INSTANCES: usize = 200;
 
 /// A loaded library with what its instances are made from.
 struct Bench<'a> {
