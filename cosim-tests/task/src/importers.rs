@@ -8,8 +8,8 @@ use crate::workspace::Workspace;
 
 const FMI_SIM: &str = "0.7.0";
 
-/// Installs fmi-sim below the target folder. Unoptimised, because that builds in a third of the
-/// time, and with FMI 2.0 alone: it can't read the units of our FMI 3.0.
+/// Installs fmi-sim below the target folder. Unoptimised, because the time of a landing is that of
+/// our own libraries, and with co-simulation alone.
 pub fn fmi_sim(workspace: &Workspace) -> Result<(), Failure> {
     let root = workspace.target.join("importers");
     // What cargo has installed there.
@@ -22,10 +22,11 @@ pub fn fmi_sim(workspace: &Workspace) -> Result<(), Failure> {
         "cargo install fmi-sim",
         Command::new("cargo")
             .args(["install", "fmi-sim", "--quiet", "--debug", "--locked", "--force", "--version"])
-            .args([FMI_SIM, "--no-default-features", "--features", "fmi2,cs", "--root"])
+            .args([FMI_SIM, "--no-default-features", "--features", "fmi2,fmi3,cs", "--root"])
             .arg(&root)
             .arg("--target-dir")
-            .arg(&build),
+            .arg(&build)
+            .env("CARGO_PROFILE_DEV_DEBUG", "false"),
     )?;
     // Some hundred megabytes that only a next version would use.
     fs::remove_dir_all(&build)
