@@ -12,7 +12,7 @@ pub enum Error {
     Write { file: PathBuf, source: std::io::Error },
     #[error("standard output: cannot be written: {0}")]
     Print(std::io::Error),
-    #[error("{file}: cannot be archived: {source}")]
+    #[error("{file}: zip archive: {source}")]
     Archive { file: String, source: zip::result::ZipError },
     #[error("{}: {reason}", file.display())]
     Library { file: PathBuf, reason: String },
