@@ -12,8 +12,12 @@ pub enum Error {
     Write { file: PathBuf, source: std::io::Error },
     #[error("standard output: cannot be written: {0}")]
     Print(std::io::Error),
-    #[error("{file}: cannot be archived: {source}")]
+    #[error("{file}: zip archive: {source}")]
     Archive { file: String, source: zip::result::ZipError },
+    #[error("{}: {reason}", file.display())]
+    Library { file: PathBuf, reason: String },
+    #[error("{}: another folder has a library for {platform} too", folder.display())]
+    SamePlatform { folder: PathBuf, platform: &'static str },
     #[error("a scenario that would be packed is not valid: {0}")]
     Scenario(#[from] ConfigError),
     #[error("signal {signal}: unit \"{unit}\" has no known base-unit exponents")]

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use fmu_build::check::check;
+use fmu_build::check::{self, Demands, Finding, inspect};
 use fmu_build::model::MODELS;
 use fmu_build::package::{Sources, build};
+use fmu_build::platform::{Glibc, Platform, parse_glibc};
 use fmu_build::{Error, Stamp, capabilities, describe, ssp, vehicle};
 
 #[derive(Parser)]
@@ -21,10 +22,10 @@ struct Arguments {
 enum Command {
     /// Pack the shell libraries into FMUs: each for FMI 2.0, FMI 3.0 and FMI 3.0 with arrays
     Build {
-        /// Folder with liblander_truth_fmu.so and libscvx_guidance_fmu.so; by default that of
-        /// this program
+        /// Folder with the two shells' libraries, such as liblander_truth_fmu.so; once for each
+        /// platform that the FMUs shall hold. By default the folder of this program
         #[arg(long, value_name = "DIR")]
-        libraries: Option<PathBuf>,
+        libraries: Vec<PathBuf>,
         /// Where to write the FMUs; by default `fmu` in cargo's target folder
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -63,10 +64,21 @@ enum Command {
         #[arg(long, conflicts_with = "json")]
         capabilities: bool,
     },
-    /// Verify structure and variables of finished FMUs
+    /// Look into finished FMUs, then run them as a sceptical user would
     Check {
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// The newest glibc that a library may need, as 2.17
+        #[arg(long, value_name = "VERSION", value_parser = glibc)]
+        glibc: Option<Glibc>,
+        /// A platform that every FMU must hold; may be given more than once
+        #[arg(long, value_name = "NAME", value_parser = platform)]
+        platform: Vec<Platform>,
+        /// Only look, run nothing
+        #[arg(long)]
+        no_run: bool,
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -86,7 +98,7 @@ fn run(command: Command) -> Result<bool, Error> {
     match command {
         Command::Build { libraries, out, root } => {
             let stamp = stamp()?;
-            let libraries = libraries.map_or_else(|| target("."), Ok)?;
+            let libraries = if libraries.is_empty() { vec![target(".")?] } else { libraries };
             let sources = Sources { libraries: &libraries, root: &root, stamp };
             Ok(wrote(&build(&sources, &out.map_or_else(|| target("../fmu"), Ok)?)?))
         }
@@ -101,21 +113,59 @@ fn run(command: Command) -> Result<bool, Error> {
         Command::Describe { capabilities: true, .. } => print(&capabilities::page()?),
         Command::Describe { json: true, .. } => print(&format!("{:#}\n", describe::json(&MODELS))),
         Command::Describe { .. } => print(&describe::table(&MODELS)),
-        Command::Check { files } => {
-            let mut good = true;
-            for file in files {
-                let problems = check(&file).unwrap_or_else(|error| vec![error.to_string()]);
-                for problem in &problems {
-                    say(format_args!("{}: {problem}", file.display()));
-                }
-                if problems.is_empty() {
-                    say(format_args!("{}: no problems", file.display()));
-                }
-                good &= problems.is_empty();
-            }
-            Ok(good)
+        Command::Check { files, glibc, platform, no_run, json } => {
+            let demands = Demands { glibc, platforms: platform };
+            examine(&files, &demands, !no_run, json)
         }
     }
+}
+
+/// Prints what was found as it is found, or all of it as one JSON object.
+fn examine(files: &[PathBuf], demands: &Demands, run: bool, json: bool) -> Result<bool, Error> {
+    let (mut report, mut fmus) = (Vec::new(), Vec::new());
+    let mut tell = |subject: &str, findings: &mut dyn Iterator<Item = Finding>| {
+        let mut list = Vec::new();
+        if !json {
+            print(&format!("{subject}\n"))?;
+        }
+        for finding in findings {
+            if !json {
+                print(&format!("{finding}\n"))?;
+            }
+            list.push(finding);
+        }
+        report.push((subject.to_owned(), list));
+        Ok::<(), Error>(())
+    };
+    for file in files {
+        let (findings, fmu) = match inspect(file, demands) {
+            Ok(inspected) => inspected,
+            Err(error) => (vec![Finding::unreadable(&error)], None),
+        };
+        let trials = fmu.iter().filter(|_| run).flat_map(check::run);
+        tell(&file.display().to_string(), &mut findings.into_iter().chain(trials))?;
+        fmus.extend(fmu);
+    }
+    let pairs = if run { check::pairs(&fmus) } else { Vec::new() };
+    if !pairs.is_empty() {
+        let landings = pairs.into_iter().map(|(truth, guidance)| check::fly(truth, guidance));
+        tell("coupled", &mut landings.into_iter())?;
+    }
+    let passed = report.iter().flat_map(|(_, list)| list).all(|finding| finding.passed);
+    if json {
+        print(&format!("{:#}\n", check::json(&report)))?;
+    }
+    Ok(passed)
+}
+
+fn glibc(text: &str) -> Result<Glibc, String> {
+    parse_glibc(text).ok_or_else(|| "must be as 2.17".to_owned())
+}
+
+fn platform(text: &str) -> Result<Platform, String> {
+    let found = Platform::ALL.into_iter().find(|platform| platform.name() == text);
+    let known = Platform::ALL.map(Platform::name).join(", ");
+    found.ok_or_else(|| format!("known are {known}"))
 }
 
 fn stamp() -> Result<Stamp, Error> {

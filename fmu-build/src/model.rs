@@ -3,6 +3,8 @@
 use fmi_adapter::Variant;
 use lander_models::signals::{GUIDANCE, Interface, TRUTH};
 
+use crate::platform::Platform;
+
 pub const MODELS: [&Interface; 2] = [&TRUTH, &GUIDANCE];
 
 /// `lander_truth`: the model name as a C identifier.
@@ -15,13 +17,14 @@ pub fn archive_file(interface: &Interface, variant: Variant) -> String {
     format!("{}.{}.fmu", interface.model, variant.name())
 }
 
-/// `liblander_truth_fmu.so`: what cargo names the shell's library.
-pub fn library_file(interface: &Interface) -> String {
-    format!("lib{}_fmu.so", identifier(interface))
+/// What cargo names the shell's library: `liblander_truth_fmu.so`, `lander_truth_fmu.dll`.
+pub fn library_files(interface: &Interface) -> [String; 2] {
+    let name = identifier(interface);
+    [format!("lib{name}_fmu.so"), format!("{name}_fmu.dll")]
 }
 
-/// Where FMI looks for the library in the archive: each version has its own name for the platform.
-pub fn library_entry(interface: &Interface, variant: Variant) -> String {
-    let platform = if variant == Variant::Fmi2 { "linux64" } else { "x86_64-linux" };
-    format!("binaries/{platform}/{}.so", identifier(interface))
+/// Where FMI looks for the library of a platform in the archive.
+pub fn library_entry(interface: &Interface, variant: Variant, platform: Platform) -> String {
+    let (folder, extension) = (platform.folder(variant), platform.extension());
+    format!("binaries/{folder}/{}.{extension}", identifier(interface))
 }

@@ -11,15 +11,16 @@ use lander_models::{Scenario, Ticks};
 use crate::archive::{Entries, pack};
 use crate::description::model_description;
 use crate::documentation::page;
-use crate::model::{MODELS, archive_file, library_entry, library_file};
+use crate::model::{MODELS, archive_file, library_entry, library_files};
+use crate::platform::{Library, Platform};
 use crate::terminals::{self, terminals};
 use crate::{Error, Stamp};
 
 /// Where things come from.
 #[derive(Clone, Copy, Debug)]
 pub struct Sources<'a> {
-    /// Folder with the shells' shared libraries.
-    pub libraries: &'a Path,
+    /// Folders with the shells' shared libraries, one for each platform.
+    pub libraries: &'a [PathBuf],
     /// Workspace root: `models/` and `LICENSE`.
     pub root: &'a Path,
     pub stamp: Stamp,
@@ -49,8 +50,13 @@ pub(crate) fn write_all(out: &Path, made: Vec<(PathBuf, Vec<u8>)>) -> Result<Vec
 /// The bytes of one FMU.
 pub fn archive(model: &Interface, variant: Variant, sources: &Sources) -> Result<Vec<u8>, Error> {
     let mut entries = Entries::new();
-    let library = sources.libraries.join(library_file(model));
-    entries.insert(library_entry(model, variant), read(&library)?);
+    for folder in sources.libraries {
+        let (platform, library) = library(folder, model)?;
+        if entries.insert(library_entry(model, variant, platform), library).is_some() {
+            let platform = platform.name();
+            return Err(Error::SamePlatform { folder: folder.clone(), platform });
+        }
+    }
     let models = sources.root.join("models");
     for (folder, extension) in [("scenarios", "toml"), ("vehicles", "toml"), ("terrain", "tif")] {
         for file in files(&models.join(folder), extension)? {
@@ -72,6 +78,17 @@ pub fn archive(model: &Interface, variant: Variant, sources: &Sources) -> Result
         entries.insert(format!("documentation/{entry}.txt"), read(&license)?);
     }
     pack(&entries, sources.stamp)
+}
+
+/// The library of `model` in `folder`, and the platform that its headers name.
+fn library(folder: &Path, model: &Interface) -> Result<(Platform, Vec<u8>), Error> {
+    let [so, dll] = library_files(model).map(|name| folder.join(name));
+    let file = if dll.exists() { dll } else { so };
+    let bytes = read(&file)?;
+    match Library::read(&bytes) {
+        Ok(library) => Ok((library.platform, bytes)),
+        Err(reason) => Err(Error::Library { file, reason }),
+    }
 }
 
 /// Loads every scenario once, so that a broken one is found here and not by an importer.

@@ -1,5 +1,6 @@
 """The archives as any FMI importer meets them."""
 
+import json
 import zipfile
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from conftest import FMUS, SCENARIOS
+from conftest import FMUS, SCENARIOS, TARGET, run
 from touchdown_cosim import schedule
 from touchdown_cosim.component import Component, ComponentError
 from touchdown_cosim.variants import VARIANTS, fmu_file
@@ -20,6 +21,18 @@ PLAN = schedule.load()
 @pytest.mark.parametrize("model", PLAN.components.values())
 def test_fmpy_finds_no_problem(model, variant):
     assert validate_fmu(str(fmu_file(FMUS, model, variant))) == []
+
+
+def test_check_passes_and_lands_as_both_masters_do(landing):
+    """Its importer is another than FMPy and its master another than both: the digest is theirs."""
+    files = sorted(FMUS.glob("*.fmu"))
+    done = run([TARGET / "release" / "fmu-build", "check", "--json", *files])
+    assert done.returncode == 0, done.stdout + done.stderr
+    *_, coupled = json.loads(done.stdout)["files"]
+    notes = [check["note"] for check in coupled["checks"]]
+    digest = landing.results["digest"]
+    assert [note.split(":")[0] for note in notes] == ["fmi2", "fmi3", "fmi3-arrays"]
+    assert all("landed at " in note and note.endswith(digest) for note in notes), notes
 
 
 @pytest.mark.parametrize("variant", ["fmi3", "fmi3-arrays"])

@@ -3,6 +3,7 @@
 //! Standard output belongs to the result: the landing's verdict or JSON, the summary of the
 //! checks. All else goes to stderr.
 
+mod importers;
 mod land;
 mod python;
 mod steps;

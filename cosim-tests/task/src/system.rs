@@ -14,12 +14,13 @@ enum Sign {
 }
 
 /// With the Debian packages that meet them: a browser for pages, a screen and a renderer for
-/// Rerun, Intel's threads for ecos.
-const NEEDS: [(Sign, &str); 4] = [
+/// Rerun, Intel's threads for ecos, a C parser to build fmi-sim.
+const NEEDS: [(Sign, &str); 5] = [
     (Sign::Program("chromium"), "chromium"),
     (Sign::Program("xvfb-run"), "xvfb"),
     (Sign::File("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"), "mesa-vulkan-drivers"),
     (Sign::Library("libtbb.so.12"), "libtbb12"),
+    (Sign::Library("libclang-1"), "libclang-dev"),
 ];
 
 /// Installs the packages that are missing, as root or with `sudo`.

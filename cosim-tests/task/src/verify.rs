@@ -2,6 +2,7 @@
 
 use std::process::{Command, Stdio};
 
+use crate::importers;
 use crate::land::{build, build_fmus, build_systems, in_root};
 use crate::python;
 use crate::steps::{Failure, Steps, run, say};
@@ -11,7 +12,7 @@ use crate::workspace::Workspace;
 
 pub fn verify(accept: Accept) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
-    let mut steps = Steps::new(9);
+    let mut steps = Steps::new(10);
     let result = checks(&workspace, &mut steps, accept);
     summarise(&steps, result.is_ok());
     result.map(|()| 0)
@@ -32,6 +33,7 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
     steps.run("FMUs", || build_fmus(workspace).and_then(|()| build_systems(workspace)))?;
     let python = steps.run("Python environment", || python::environment(workspace))?;
     steps.run("system packages", system::packages)?;
+    steps.run("fmi-sim", || importers::fmi_sim(workspace))?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
         pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);

@@ -1,75 +1,14 @@
 //! Packs real tables and resources around stand-in libraries.
 
 use std::fs;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use crate::workshop::{FMI3, Workshop, problems, read_bytes, read_entry, tamper};
 use fmi_adapter::{Variant, variables};
-use fmu_build::check::check;
-use fmu_build::model::{MODELS, library_file};
-use fmu_build::package::{Sources, build};
-use fmu_build::{Error, Stamp, vehicle};
-
-/// A folder with `libraries/`, gone when dropped.
-struct Workshop(PathBuf);
-
-/// Place of the truth model's FMI 3.0 archive in what `build` returns.
-const FMI3: usize = 1;
-
-impl Workshop {
-    fn new(name: &str) -> Self {
-        let folder = format!("fmu-build-test-{}-{name}", std::process::id());
-        let workshop = Self(std::env::temp_dir().join(folder));
-        fs::create_dir_all(workshop.0.join("libraries")).unwrap();
-        for model in MODELS {
-            let stand_in = b"\x7fELF stand-in that mentions fmi2DoStep and fmi3DoStep";
-            fs::write(workshop.0.join("libraries").join(library_file(model)), stand_in).unwrap();
-        }
-        workshop
-    }
-
-    fn build(&self, out: &str, stamp: Stamp) -> Result<Vec<PathBuf>, Error> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        let libraries = &self.0.join("libraries");
-        build(&Sources { libraries, root, stamp }, &self.0.join(out))
-    }
-}
-
-impl Drop for Workshop {
-    fn drop(&mut self) {
-        // Left-overs in the temporary folder don't make a test wrong.
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn read_entry(file: &Path, entry: &str) -> String {
-    String::from_utf8(read_bytes(file, entry)).unwrap()
-}
-
-fn read_bytes(file: &Path, entry: &str) -> Vec<u8> {
-    let mut zip = zip::ZipArchive::new(fs::File::open(file).unwrap()).unwrap();
-    let mut bytes = Vec::new();
-    zip.by_name(entry).unwrap().read_to_end(&mut bytes).unwrap();
-    bytes
-}
-
-/// Replaces `from` by `to` in the model description of `file`.
-fn tamper(file: &Path, from: &str, to: &str) {
-    let mut source = zip::ZipArchive::new(fs::File::open(file).unwrap()).unwrap();
-    let mut target = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    for index in 0..source.len() {
-        let entry = source.by_index_raw(index).unwrap();
-        if entry.name().unwrap() != "modelDescription.xml" {
-            target.raw_copy_file(entry).unwrap();
-        }
-    }
-    let text = read_entry(file, "modelDescription.xml");
-    assert!(text.contains(from), "nothing to tamper with");
-    target.start_file("modelDescription.xml", zip::write::SimpleFileOptions::default()).unwrap();
-    std::io::Write::write_all(&mut target, text.replacen(from, to, 1).as_bytes()).unwrap();
-    fs::write(file, target.finish().unwrap().into_inner()).unwrap();
-}
+use fmu_build::check::{Demands, inspect};
+use fmu_build::model::{MODELS, library_files};
+use fmu_build::{Stamp, vehicle};
 
 #[test]
 fn two_builds_give_equal_bytes_and_the_date_is_the_only_difference() {
@@ -80,8 +19,8 @@ fn two_builds_give_equal_bytes_and_the_date_is_the_only_difference() {
     for ((first, second), later) in first.iter().zip(&second).zip(&later) {
         assert_eq!(fs::read(first).unwrap(), fs::read(second).unwrap());
         assert_ne!(fs::read(first).unwrap(), fs::read(later).unwrap());
-        assert_eq!(check(first).unwrap(), Vec::<String>::new());
-        assert_eq!(check(later).unwrap(), Vec::<String>::new());
+        assert_eq!(problems(first), Vec::<String>::new());
+        assert_eq!(problems(later), Vec::<String>::new());
     }
     let left: Vec<_> = fs::read_dir(workshop.0.join("first")).unwrap().collect();
     assert_eq!(left.len(), 6, "{left:?}");
@@ -130,7 +69,7 @@ fn resources_are_the_files_of_the_models_folder() {
 fn a_missing_library_is_named_and_leaves_nothing() {
     let workshop = Workshop::new("missing");
     // The second model's: the first archive must not appear either.
-    let missing = workshop.0.join("libraries").join(library_file(MODELS[1]));
+    let missing = workshop.0.join("libraries").join(&library_files(MODELS[1])[0]);
     fs::remove_file(&missing).unwrap();
     let message = workshop.build("out", Stamp::default()).unwrap_err().to_string();
     assert!(message.contains(missing.to_str().unwrap()), "{message}");
@@ -152,16 +91,30 @@ fn check_finds_what_was_tampered_with() {
     ] {
         let file = &workshop.build("out", Stamp::default()).unwrap()[FMI3];
         tamper(file, from, to);
-        let problems = check(file).unwrap();
+        let problems = problems(file);
         assert!(problems.iter().any(|p| p.starts_with(expected)), "{from}: {problems:?}");
     }
-    let library = workshop.0.join("libraries").join(library_file(MODELS[0]));
-    fs::write(library, "no library").unwrap();
     let file = &workshop.build("out", Stamp::default()).unwrap()[FMI3];
-    let problems = check(file).unwrap();
-    assert_eq!(problems, ["binaries/x86_64-linux/lander_truth.so is not an ELF library"]);
     fs::write(file, "no archive").unwrap();
-    assert!(check(file).is_err());
+    assert!(inspect(file, &Demands::default()).is_err());
+}
+
+#[test]
+fn what_is_no_library_is_not_packed() {
+    let workshop = Workshop::new("no-library");
+    let library = workshop.0.join("libraries").join(&library_files(MODELS[0])[0]);
+    fs::write(&library, "no library").unwrap();
+    let message = workshop.build("out", Stamp::default()).unwrap_err().to_string();
+    assert!(message.contains(library.to_str().unwrap()), "{message}");
+    assert!(message.contains("is no shared library"), "{message}");
+}
+
+#[test]
+fn two_libraries_for_one_platform_are_an_error() {
+    let workshop = Workshop::new("same-platform");
+    let folder = workshop.0.join("libraries");
+    let message = workshop.build_from(&[folder.clone(), folder], "out").unwrap_err().to_string();
+    assert!(message.ends_with("another folder has a library for x86_64-linux too"), "{message}");
 }
 
 #[test]

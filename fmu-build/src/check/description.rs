@@ -1,54 +1,31 @@
-//! Looks into a finished FMU, with another XML reader than the writer's.
+//! modelDescription.xml against the signal tables, with another XML reader than the writer's.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
 
-use fmi_adapter::variables::{DEFAULT_SCENARIO, Slot};
+use fmi_adapter::variables::Slot;
 use fmi_adapter::{Variant, token, variables};
 use lander_models::signals::Interface;
 use roxmltree::{Document, Node};
-use zip::ZipArchive;
 
-use crate::Error;
-use crate::model::{MODELS, identifier, library_entry};
-use crate::terminals;
+use crate::model::{MODELS, identifier};
 
-/// The problems found in `file`; an error if it is no readable zip archive at all.
-pub fn check(file: &Path) -> Result<Vec<String>, Error> {
-    let entries = unpack(file)?;
-    let mut problems = Vec::new();
-    for path in entries.keys() {
-        if path.contains('\\') || path.starts_with('/') || path.split('/').any(|part| part == "..")
-        {
-            problems.push(format!("entry {path}: not a plain relative path"));
-        }
-    }
-    let text = entries.get("modelDescription.xml").map(|bytes| String::from_utf8_lossy(bytes));
-    let Some(text) = text else {
-        problems.push("modelDescription.xml is missing".to_owned());
-        return Ok(problems);
-    };
-    let document = match Document::parse(&text) {
-        Ok(document) => document,
-        Err(error) => {
-            problems.push(format!("modelDescription.xml: {error}"));
-            return Ok(problems);
-        }
-    };
+/// What the description is of.
+pub type Subject = (&'static Interface, Variant);
+
+/// The model and variant that `text` describes, and the problems found in it; an error if it is a
+/// description of none of this kit's models.
+pub fn read(text: &str) -> Result<(Subject, Vec<String>), String> {
+    let document =
+        Document::parse(text).map_err(|error| format!("modelDescription.xml: {error}"))?;
     let root = document.root_element();
     let name = root.attribute("modelName").unwrap_or_default();
-    let Some(model) = MODELS.into_iter().find(|model| model.model == name) else {
-        problems.push(format!("modelName \"{name}\" is none of this kit's models"));
-        return Ok(problems);
-    };
+    let model = MODELS.into_iter().find(|model| model.model == name);
+    let model =
+        model.ok_or_else(|| format!("modelName \"{name}\" is none of this kit's models"))?;
     let variant = variant_of(root);
-    problems.extend(entry_problems(model, variant, &entries));
-    problems.extend(header_problems(model, variant, root));
-    problems.extend(variable_problems(model, variant, root));
-    problems.extend(structure_problems(model, variant, root));
-    Ok(problems)
+    let problems = [header_problems, variable_problems, structure_problems];
+    let problems = problems.into_iter().flat_map(|find| find(model, variant, root)).collect();
+    Ok(((model, variant), problems))
 }
 
 fn variant_of(root: Node) -> Variant {
@@ -59,51 +36,6 @@ fn variant_of(root: Node) -> Variant {
     } else {
         Variant::Fmi3
     }
-}
-
-fn unpack(file: &Path) -> Result<BTreeMap<String, Vec<u8>>, Error> {
-    let failed = |source| Error::Archive { file: file.display().to_string(), source };
-    let mut zip = ZipArchive::new(File::open(file).map_err(Error::read(file))?).map_err(failed)?;
-    let mut entries = BTreeMap::new();
-    for index in 0..zip.len() {
-        let mut entry = zip.by_index(index).map_err(failed)?;
-        let name = entry.name().map_err(failed)?.into_owned();
-        let mut content = Vec::new();
-        entry.read_to_end(&mut content).map_err(Error::read(file))?;
-        entries.insert(name, content);
-    }
-    Ok(entries)
-}
-
-fn entry_problems(
-    model: &Interface,
-    variant: Variant,
-    entries: &BTreeMap<String, Vec<u8>>,
-) -> Vec<String> {
-    let mut problems = Vec::new();
-    let scenario = format!("resources/{DEFAULT_SCENARIO}");
-    for path in [scenario.as_str(), "documentation/index.html"] {
-        if !entries.contains_key(path) {
-            problems.push(format!("{path} is missing"));
-        }
-    }
-    if variant != Variant::Fmi2 && !entries.contains_key(terminals::ENTRY) {
-        problems.push(format!("{} is missing", terminals::ENTRY));
-    }
-    let path = library_entry(model, variant);
-    match entries.get(&path) {
-        None => problems.push(format!("{path} is missing")),
-        Some(library) if !library.starts_with(b"\x7fELF") => {
-            problems.push(format!("{path} is not an ELF library"));
-        }
-        Some(library) => {
-            let step = if variant == Variant::Fmi2 { "fmi2DoStep" } else { "fmi3DoStep" };
-            if !library.windows(step.len()).any(|bytes| bytes == step.as_bytes()) {
-                problems.push(format!("{path} does not export {step}"));
-            }
-        }
-    }
-    problems
 }
 
 fn header_problems(model: &Interface, variant: Variant, root: Node) -> Vec<String> {

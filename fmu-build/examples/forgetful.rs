@@ -1,0 +1,5 @@
+//! A library whose model keeps something outside its state.
+
+mod stand_in;
+
+fmi_adapter::export!(stand_in::StandIn<true>);

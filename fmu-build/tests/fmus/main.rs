@@ -1,0 +1,5 @@
+//! FMUs around stand-in libraries: packed, looked into and run.
+
+mod check;
+mod package;
+mod workshop;
