@@ -77,11 +77,11 @@ fn the_models_print_nothing_and_read_no_clock() {
 #[test]
 fn unsafe_code_stays_at_the_c_boundary() {
     for (path, text) in all_sources() {
-        let boundary = ["c_abi", "fmi2", "fmi3"];
-        let allowed =
-            boundary.iter().any(|b| path.starts_with(&format!("fmu-build/adapter/src/{b}/")))
-                || path.contains("/tests/")
-                || !path.ends_with(".rs");
+        let boundary =
+            ["adapter/src/c_abi", "adapter/src/fmi2", "adapter/src/fmi3", "src/importer"];
+        let allowed = boundary.iter().any(|b| path.starts_with(&format!("fmu-build/{b}/")))
+            || path.contains("/tests/")
+            || !path.ends_with(".rs");
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
         let found =
             code.into_iter().any(|line| line.contains("unsafe ") || line.contains("unsafe("));
