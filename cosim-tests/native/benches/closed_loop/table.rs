@@ -122,7 +122,8 @@ pub fn print(campaigns: &[Campaign], folder: &Path) {
         if !seeds.is_empty() {
             let shown = &seeds[..seeds.len().min(SEEDS_SHOWN)];
             let more = seeds.len() - shown.len();
-            println!("  bad by seed: {}, and {more} more", shown.join(", "));
+            let rest = if more > 0 { format!(", and {more} more") } else { String::new() };
+            println!("  bad by seed: {}{rest}", shown.join(", "));
             println!("  again: cargo lander run {}/{}-SEED.toml", folder.display(), c.name);
         }
     }

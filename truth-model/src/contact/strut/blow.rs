@@ -184,6 +184,20 @@ mod tests {
     }
 
     #[test]
+    fn on_legs_that_give_the_vehicle_loses_its_feet_s_slip_at_most() {
+        const FOOT_KG: f64 = 2.0;
+        let (motion, mass) = sliding();
+        let body = inertia::whole(&mass);
+        let com_m_s = |motion: &Motion| motion.point_velocity_w(&mass.com_b).x;
+        // What stops a foot, and what friction passes on of it.
+        for (friction, blow_n_s) in [(f64::INFINITY, FOOT_KG * SPEED_M_S), (0.5, 0.5 * 2.0)] {
+            let after = brush(&motion, &body, FOOT_KG, holds(friction, 2.0, 4));
+            let lost_n_s = MASS_KG * (com_m_s(&motion) - com_m_s(&after));
+            assert!((lost_n_s - 4.0 * blow_n_s).abs() < 1e-9, "{lost_n_s}");
+        }
+    }
+
+    #[test]
     fn the_ground_does_not_pull_a_pad_that_moves_down_a_slope() {
         let (motion, mass) = sliding();
         let normal_b = Vector3::new(0.2, 0.0, 0.96_f64.sqrt());
