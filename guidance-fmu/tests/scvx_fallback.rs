@@ -24,7 +24,7 @@ fn a_target_out_of_reach_is_landed_beside() {
     // 6.5 kg on board, 6.75 kg to the target.
     let short = Problem { dry_mass_kg: 253.0, ..descent() };
     let error = solve(&short, &Settings::default()).expect_err("too little propellant");
-    assert!(matches!(error, PlanError::Fuel { .. }), "{error}");
+    assert!(matches!(error, PlanError::FuelBound { .. }), "{error}");
     let plan = found(&Problem { terminal: Terminal::Anywhere, ..short.clone() });
     let end = plan.nodes.last().expect("nodes");
     assert!(end.r_w.xy().norm() > 50.0, "beside the target: {}", end.r_w);

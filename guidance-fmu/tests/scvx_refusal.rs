@@ -24,7 +24,16 @@ fn strictly_on_within_the_tilt_limit() {
 
 #[test]
 fn too_little_fuel() {
-    match refusal(&Problem { dry_mass_kg: 255.0, ..descent() }, &Settings::default()) {
+    let problem = Problem { dry_mass_kg: 255.0, ..descent() };
+    match refusal(&problem, &Settings::default()) {
+        PlanError::FuelBound { least_kg, available_kg } => {
+            // Finite burns cost 3 % here; measured by Pontryagin's optimum.
+            assert!((0.96..1.0).contains(&(least_kg / 6.74907)), "{least_kg} kg");
+            assert_eq!(available_kg, 4.5);
+        }
+        other => panic!("{other}"),
+    }
+    match refusal(&problem, &Settings { bounds: false, ..Settings::default() }) {
         PlanError::Fuel { needed_kg, available_kg } => {
             assert!((needed_kg / 6.74907 - 1.0).abs() < 1e-3, "{needed_kg} kg");
             assert_eq!(available_kg, 4.5);
@@ -35,10 +44,17 @@ fn too_little_fuel() {
 
 #[test]
 fn too_low_to_stop() {
-    // 40 m/s at 18.4 m/s² net takes 43 m; 20 m are left.
     let (r0_w, v0_w) = (Vector3::new(0.0, 0.0, 20.0), Vector3::new(0.0, 0.0, -40.0));
     let path = PathLimits { altitude_min_m: Some(0.0), glide_slope_rad: None };
-    let error = refusal(&Problem { r0_w, v0_w, path, ..descent() }, &Settings::default());
+    let problem = Problem { r0_w, v0_w, path, ..descent() };
+    match refusal(&problem, &Settings::default()) {
+        // v²/2a − 20 m with a at the mass before and after: 259.5 kg and 5 kg less.
+        PlanError::AltitudeBound { below_m, .. } => {
+            assert!((22.4..23.5).contains(&below_m), "{below_m} m");
+        }
+        other => panic!("{other}"),
+    }
+    let error = refusal(&problem, &Settings { bounds: false, ..Settings::default() });
     assert!(matches!(error, PlanError::Altitude { .. }), "{error}");
 }
 

@@ -51,7 +51,7 @@ fn too_little_propellant() {
     let mut problem = descent();
     problem.start.propellant_kg = 4.5;
     let error = refusal(&problem, &SixDofSettings::default());
-    assert!(matches!(error, SixDofError::Translation(PlanError::Fuel { .. })), "{error}");
+    assert!(matches!(error, SixDofError::Translation(PlanError::FuelBound { .. })), "{error}");
     problem.start.propellant_kg = 4.75;
     match refusal(&problem, &SixDofSettings::default()) {
         SixDofError::Fuel { needed_kg, available_kg } => {

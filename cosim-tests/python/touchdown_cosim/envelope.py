@@ -4,7 +4,7 @@
 
 With the flight time given, held thrust accelerations and no thrust floor make the descent convex but for the
 mass, which is iterated: v_n and r_n are linear in the impulses w_j, ‖w_j‖ ≤ h_j ≤ ρ_max/m_j d, w_jz ≥ h_j cos θ,
-z_n ≥ 0, and the target is met up to a priced slack. Each program has one optimum, so nothing depends on a starting
+z ≥ 0 four times an interval, and the target is met up to a priced slack. Each program has one optimum, so nothing depends on a starting
 point; flight times are scanned on a grid and refined about the best. A plan needs no such proof: its
 re-propagation is one. This needs clarabel (requirements-bench.txt).
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-INTERVALS = 60
+INTERVALS, HEIGHTS = 60, 4
 GRAVITY_M_S2, THRUST_N, TILT_RAD, DRY_KG = 1.625, 5200.0, math.radians(29), 174.0
 FLOW_S_M = 1 / (225.0 * 9.80665)
 # The slack's price against a scaled unit of Δv; the planner's acceptance limit of the miss.
@@ -36,9 +36,12 @@ def program(r0_m, v0_m_s, flight_s, mass_kg):
     columns = 4 * n + 12  # w by interval, h, slacks
     h = 3 * n
     cost = np.concatenate([np.zeros(3 * n), np.ones(n), np.full(12, SLACK_WEIGHT)])
-    t = d * np.arange(1, n + 1)
-    lever = np.maximum(t[:, None] - d * (np.arange(n) + 0.5), 0) * speed / length
-    rows = sparse.lil_matrix((6 + 2 * n + (n - 1) + n + 12, columns))
+    # The last height is the target's.
+    heights = HEIGHTS * n - 1
+    t = d / HEIGHTS * np.arange(1, HEIGHTS * n + 1)
+    since = np.maximum(t[:, None] - d * np.arange(n), 0)
+    lever = np.where(since < d, since**2 / (2 * d), since - d / 2) * speed / length
+    rows = sparse.lil_matrix((6 + 2 * n + n + heights + 12, columns))
     rhs = np.zeros(rows.shape[0])
     fall = np.array([0, 0, -GRAVITY_M_S2])
     for axis in range(3):
@@ -52,12 +55,12 @@ def program(r0_m, v0_m_s, flight_s, mass_kg):
         rows[6 + j, h + j] = 1
         rhs[6 + j] = THRUST_N / mass_kg[j] * d / speed
         rows[6 + n + j, h + j], rows[6 + n + j, 3 * j + 2] = math.cos(TILT_RAD), -1
-        rows[5 + 3 * n + j, h + j] = -1
-    for k in range(n - 1):
-        rows[6 + 2 * n + k, 2 : 3 * n : 3] = -lever[k]
-        rhs[6 + 2 * n + k] = (r0_m[2] + v0_m_s[2] * t[k] - GRAVITY_M_S2 * t[k] ** 2 / 2) / length
+        rows[6 + 2 * n + j, h + j] = -1
+    for k in range(heights):
+        rows[6 + 3 * n + k, 2 : 3 * n : 3] = -lever[k]
+        rhs[6 + 3 * n + k] = (r0_m[2] + v0_m_s[2] * t[k] - GRAVITY_M_S2 * t[k] ** 2 / 2) / length
     for slack in range(12):
-        rows[5 + 4 * n + slack, h + n + slack] = -1
+        rows[6 + 3 * n + heights + slack, h + n + slack] = -1
     cones = sparse.lil_matrix((4 * n, columns))
     for j in range(n):
         cones[4 * j, h + j] = -1

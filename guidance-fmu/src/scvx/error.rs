@@ -13,6 +13,17 @@ pub enum PlanError {
     /// The minimum-fuel trajectory needs more propellant than is on board.
     #[error("infeasible: {needed_kg:.3} kg of propellant needed, {available_kg:.3} kg on board")]
     Fuel { needed_kg: f64, available_kg: f64 },
+    /// Proven: two impulses at the ends, as good as any thrust, take more propellant than is on board (G.92).
+    #[error(
+        "infeasible: any flight takes {least_kg:.3} kg of propellant, {available_kg:.3} kg on board"
+    )]
+    FuelBound { least_kg: f64, available_kg: f64 },
+    /// Proven: full thrust straight up sinks below the minimum altitude (G.93).
+    #[error(
+        "infeasible: full thrust straight up ends the descent {below_m:.3} m below the minimum \
+         altitude, at t = {t_s:.2} s"
+    )]
+    AltitudeBound { below_m: f64, t_s: f64 },
     /// No trajectory found stays above the minimum altitude.
     #[error("infeasible: {below_m:.3} m below the minimum altitude at t = {t_s:.2} s")]
     Altitude { below_m: f64, t_s: f64 },
@@ -58,7 +69,9 @@ impl PlanError {
         match self {
             Self::Structure { instead: Some(error), .. } => error.is_infeasible(),
             Self::Fuel { .. }
+            | Self::FuelBound { .. }
             | Self::Altitude { .. }
+            | Self::AltitudeBound { .. }
             | Self::GlideSlope { .. }
             | Self::Tilt { .. }
             | Self::Structure { .. }

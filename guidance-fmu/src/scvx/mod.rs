@@ -3,6 +3,7 @@
 //! [`solve`] starts from nothing, [`replan`] from the remainder of the last plan. Equation numbers
 //! refer to the README of this package.
 
+mod bounds;
 mod conic;
 mod error;
 mod outer_loop;

@@ -10,13 +10,8 @@ use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
 use super::trajectory::{Iterate, Trajectory};
 use super::verify::{LOSSLESS_GAP_MAX, MISS_MAX};
 
-/// Converged position and velocity defect, m and m/s: a tenth of the millimetre and mm/s that a
-/// flight could notice.
-const DEFECT: f64 = 1e-4;
 /// Converged relative thrust excursion.
 const THRUST_DEFECT: f64 = 1e-5;
-/// Converged relative fuel change between two outer iterations.
-const FUEL_CHANGE: f64 = 2e-5;
 /// Node excursion that counts as a violated path limit, m.
 const PATH_DEFECT_M: f64 = 1e-3;
 /// Relative merit decrease below which an accepted step is no progress.
@@ -33,6 +28,34 @@ const TRUST_CUT: f64 = 0.35;
 const STIFFNESS_START: f64 = 1e-2;
 const STIFFNESS_GROWTH: f64 = 10.0;
 const STIFFNESS_MAX: f64 = 1.0;
+
+/// What the trajectory of a loop is for, which says when the loop has converged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// To be flown.
+    Plan,
+    /// To read switching times from, which the next loop refines.
+    Structure,
+}
+
+impl Purpose {
+    /// Converged position and velocity defect, m and m/s: a tenth of the millimetre and mm/s that a
+    /// flight could notice, or of what counts as met.
+    fn defect(self) -> f64 {
+        match self {
+            Self::Plan => 1e-4,
+            Self::Structure => 0.1 * MISS_MAX,
+        }
+    }
+
+    /// Converged relative fuel change between two outer iterations.
+    fn fuel_change(self) -> f64 {
+        match self {
+            Self::Plan => 2e-5,
+            Self::Structure => 1e-3,
+        }
+    }
+}
 
 /// Work done so far by one call, against its limits.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +104,7 @@ pub(super) fn iterate(
     grid: &Grid,
     start: Iterate,
     settings: &Settings,
+    purpose: Purpose,
     budget: &mut Budget,
 ) -> Result<Outcome, PlanError> {
     let scale = Scale::new(problem);
@@ -117,12 +141,12 @@ pub(super) fn iterate(
         // Without a floor a gap is harmless: any ‖u‖ below σ is allowed.
         let lossy = problem.thrust_min_n > 0.0 && candidate.lossless_gap > LOSSLESS_GAP_MAX;
         let feasible = violated.is_empty()
-            && candidate.miss_r_w.amax() <= DEFECT
-            && candidate.miss_v_w.amax() <= DEFECT
+            && candidate.miss_r_w.amax() <= purpose.defect()
+            && candidate.miss_v_w.amax() <= purpose.defect()
             && !lossy
             && candidate.thrust_violation_n <= THRUST_DEFECT * problem.thrust_max_n;
         let fuel_change = (candidate.cost_m_s / reference.cost_m_s - 1.0).abs();
-        let fuel_flat = fuel_change <= FUEL_CHANGE;
+        let fuel_flat = fuel_change <= purpose.fuel_change();
         if feasible && fuel_flat {
             return Ok(Outcome { trajectory: candidate, last_step: step, end: End::Converged });
         }

@@ -1,8 +1,9 @@
 //! Cold and warm planning: which start, which structure, which error.
 
+use super::bounds;
 use super::conic::Program;
 use super::error::PlanError;
-use super::outer_loop::{self, Budget, End, Outcome};
+use super::outer_loop::{self, Budget, End, Outcome, Purpose};
 use super::plan::{Plan, Report};
 use super::problem::{Problem, Settings, Terminal, within};
 use super::propulsion::Propulsion;
@@ -105,6 +106,10 @@ fn continued(problem: &Problem, last: &Plan, elapsed_s: f64) -> Problem {
 }
 
 fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<Plan, PlanError> {
+    let least = bounds::least_impulse(problem);
+    if settings.bounds {
+        bounds::check(problem, least.as_ref())?;
+    }
     let relaxed_problem = Problem {
         thrust_min_n: 0.0,
         final_tilt: None,
@@ -124,9 +129,17 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     let relaxed_settings =
         Settings { single_burn_intervals: settings.relaxed_intervals, ..settings.clone() };
     let grid = Grid::new(Structure::On, &relaxed_problem, &relaxed_settings);
-    let mut relax =
-        |guess| outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, budget);
-    let mut outcome = relax(start::minimum_energy(problem, &grid))?;
+    // Nothing may be relaxed: then this loop's answer is the plan.
+    let as_asked = relaxed_problem == *problem && relaxed_settings == *settings;
+    let purpose = if as_asked { Purpose::Plan } else { Purpose::Structure };
+    let mut relax = |guess| {
+        outer_loop::iterate(&relaxed_problem, &grid, guess, &relaxed_settings, purpose, budget)
+    };
+    let guess = match least {
+        Some(least) => start::finite_burns(problem, &grid, least.flight_s),
+        None => start::minimum_energy(problem, &grid),
+    };
+    let mut outcome = relax(guess)?;
     if shortfall(problem, &outcome.trajectory) > verify::MISS_MAX {
         // Short and long flights are separate valleys; the linearisation leads from neither to the other.
         let short = |outcome: &Outcome| shortfall(problem, &outcome.trajectory);
@@ -135,11 +148,8 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
             _ => outcome,
         };
     }
-    if relaxed_problem == *problem && relaxed_settings == *settings {
-        // Nothing was relaxed.
-        if let Ok(plan) = judge(problem, &grid, outcome.clone(), budget) {
-            return Ok(plan);
-        }
+    if as_asked && let Ok(plan) = judge(problem, &grid, outcome.clone(), budget) {
+        return Ok(plan);
     }
     let relaxed = outcome.trajectory;
     // The relaxed switching times can hide a burn shorter than its intervals, and limits can forbid
@@ -188,7 +198,7 @@ fn attempt(
     if budget.spent() {
         return Err(budget.exhausted());
     }
-    let outcome = outer_loop::iterate(problem, grid, start, settings, budget)?;
+    let outcome = outer_loop::iterate(problem, grid, start, settings, Purpose::Plan, budget)?;
     judge(problem, grid, outcome, budget)
 }
 

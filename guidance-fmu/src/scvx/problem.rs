@@ -103,6 +103,11 @@ impl Problem {
         self.reserve.map_or(self.thrust_max_n, |reserve| reserve.thrust_max_n)
     }
 
+    /// Angle from the vertical that no plan's thrust exceeds, rad.
+    pub(super) fn tilt_ceiling_rad(&self) -> f64 {
+        self.reserve.map_or(self.tilt_max_rad, |reserve| reserve.tilt_max_rad)
+    }
+
     /// Errors of an end state in what the target asks for; zero in what it leaves free.
     pub(super) fn miss(
         &self,
@@ -234,6 +239,8 @@ pub struct Settings {
     pub solves_max: u32,
     /// Interior-point iterations of one conic solve.
     pub solver_iterations_max: u32,
+    /// Whether bounds in closed form may refuse a problem before a solve (G.92, G.93).
+    pub bounds: bool,
 }
 
 impl Default for Settings {
@@ -246,6 +253,7 @@ impl Default for Settings {
             outer_max: 20,
             solves_max: 60,
             solver_iterations_max: 60,
+            bounds: true,
         }
     }
 }

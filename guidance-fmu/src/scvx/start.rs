@@ -21,6 +21,12 @@ pub(super) fn minimum_energy(problem: &Problem, grid: &Grid) -> Iterate {
     cheapest(problem, grid, 7, |guess| guess.h.iter().sum())
 }
 
+/// Minimum-energy guess (G.19) on a flight a third longer than two impulses would like it: finite burns begin
+/// earlier and end later, and a flight too long converges where one too short dips below the ground.
+pub(super) fn finite_burns(problem: &Problem, grid: &Grid, impulsive_s: f64) -> Iterate {
+    minimum_energy_at(problem, grid, impulsive_s * 4.0 / 3.0)
+}
+
 /// Minimum-energy guess for an engine that never stops: the flight time that is cheapest with the
 /// thrust raised to its floor and the upward impulse to what the tilt limit makes of it (G.46).
 pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {

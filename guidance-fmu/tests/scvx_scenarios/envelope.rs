@@ -35,6 +35,7 @@ pub fn oracle(problem: &Problem) -> Result<Plan, PlanError> {
         single_burn_intervals: ORACLE_INTERVALS,
         outer_max: 40,
         solves_max: 80,
+        bounds: false,
         ..Settings::default()
     };
     solve(&relaxed, &settings)
@@ -45,8 +46,8 @@ pub fn verdict(answer: &Result<Plan, PlanError>) -> &'static str {
     match answer {
         Ok(_) => "plan",
         Err(error) if !error.is_infeasible() => "no answer",
-        Err(PlanError::Fuel { .. }) => "fuel",
-        Err(PlanError::Altitude { .. }) => "altitude",
+        Err(PlanError::Fuel { .. } | PlanError::FuelBound { .. }) => "fuel",
+        Err(PlanError::Altitude { .. } | PlanError::AltitudeBound { .. }) => "altitude",
         Err(PlanError::Tilt { .. }) => "tilt",
         Err(PlanError::Structure { .. }) => "structure",
         Err(_) => "target",
