@@ -22,10 +22,44 @@ pub fn uniforms(seed: u64, stream: &str) -> impl Iterator<Item = f64> + use<> {
 
 /// Standard normal: draw `index` of a named stream (Box and Muller 1958).
 pub fn normal(seed: u64, stream: &str, index: u64) -> f64 {
-    let mut generator = generator(seed, stream, index);
+    box_muller(&mut generator(seed, stream, index))
+}
+
+fn box_muller(generator: &mut ChaCha8Rng) -> f64 {
     // 1 - u lies in (0, 1]: its logarithm is finite.
     let radius = (-2.0 * (1.0 - to_unit(generator.next_u64())).ln()).sqrt();
     radius * (std::f64::consts::TAU * to_unit(generator.next_u64())).cos()
+}
+
+/// The draws `normal` gives for indices that come in order, many times cheaper: those of one block of the
+/// generator are made at once. What it holds is a function of seed, stream and index, and no state.
+#[derive(Clone, Debug, Default)]
+pub struct Normals {
+    drawn: Option<(u64, u64, &'static str)>,
+    draws: [f64; Self::BLOCK as usize],
+}
+
+impl PartialEq for Normals {
+    /// Always: what they give depends on what is asked for alone.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Normals {
+    /// Draws in the words that the generator makes at a time.
+    const BLOCK: u64 = 16;
+
+    /// As [`normal`].
+    pub fn at(&mut self, seed: u64, stream: &'static str, index: u64) -> f64 {
+        let block = index / Self::BLOCK;
+        if self.drawn != Some((block, seed, stream)) {
+            self.drawn = Some((block, seed, stream));
+            let mut generator = generator(seed, stream, block * Self::BLOCK);
+            self.draws.fill_with(|| box_muller(&mut generator));
+        }
+        self.draws[(index % Self::BLOCK) as usize]
+    }
 }
 
 /// Three independent standard normals.
@@ -71,6 +105,16 @@ mod tests {
     fn a_whole_stream_gives_the_same_draws() {
         let drawn = uniforms(7, "rocks").zip(0..).take(100);
         assert!(drawn.into_iter().all(|(draw, index)| draw == uniform(7, "rocks", index)));
+    }
+
+    #[test]
+    fn draws_in_blocks_are_the_same_draws() {
+        let mut normals = Normals::default();
+        for (seed, index) in
+            (0..100).map(|index| (7, index)).chain([(7, 5), (8, 5), (8, 6), (7, 40)])
+        {
+            assert_eq!(normals.at(seed, "thrust", index), normal(seed, "thrust", index));
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::random;
+use crate::random::{self, Normals};
 
 /// Constant errors of this run, relative but for the pointing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,12 +20,15 @@ pub struct Biases {
 }
 
 /// Present values of the noise processes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
     /// As a share of thrust.
     pub thrust: f64,
     pub pointing_rad: Vector2<f64>,
     pub acceleration_w: Vector3<f64>,
+    /// Draws of thrust, pointing and acceleration made ahead; made again where they are missing.
+    #[serde(skip)]
+    ahead: [Normals; 3],
 }
 
 impl Biases {
@@ -64,38 +67,47 @@ fn once(seed: u64, stream: &str) -> f64 {
 impl Noise {
     /// Steps every process that the run has to tick `now`; the others cost nothing.
     pub fn step(&mut self, sigma: &Disturbances, seed: u64, now: Ticks) {
+        if [sigma.thrust_noise, sigma.pointing_jitter_rad, sigma.acceleration_noise_m_s2]
+            == [0.0; 3]
+        {
+            return;
+        }
+        let process = Process::new(sigma.correlation_s, now);
+        let [thrust, pointing, acceleration] = &mut self.ahead;
         if sigma.thrust_noise > 0.0 {
-            self.thrust = markov(sigma, now, self.thrust, sigma.thrust_noise, |index| {
-                random::normal(seed, "thrust noise", index)
-            });
+            let draw = thrust.at(seed, "thrust noise", now.0);
+            self.thrust = process.next(self.thrust, sigma.thrust_noise, draw);
         }
         if sigma.pointing_jitter_rad > 0.0 {
             for (axis, angle_rad) in self.pointing_rad.iter_mut().enumerate() {
-                *angle_rad = markov(sigma, now, *angle_rad, sigma.pointing_jitter_rad, |index| {
-                    random::normal(seed, "pointing jitter", 2 * index + axis as u64)
-                });
+                let draw = pointing.at(seed, "pointing jitter", 2 * now.0 + axis as u64);
+                *angle_rad = process.next(*angle_rad, sigma.pointing_jitter_rad, draw);
             }
         }
         if sigma.acceleration_noise_m_s2 > 0.0 {
             for (axis, value) in self.acceleration_w.iter_mut().enumerate() {
-                *value = markov(sigma, now, *value, sigma.acceleration_noise_m_s2, |index| {
-                    random::normal(seed, "acceleration noise", 3 * index + axis as u64)
-                });
+                let draw = acceleration.at(seed, "acceleration noise", 3 * now.0 + axis as u64);
+                *value = process.next(*value, sigma.acceleration_noise_m_s2, draw);
             }
         }
     }
 }
 
 /// Gauss-Markov process, discretised exactly and stationary from the first tick (T.66).
-fn markov(
-    sigma: &Disturbances,
-    now: Ticks,
-    last: f64,
-    deviation: f64,
-    draw: impl Fn(u64) -> f64,
-) -> f64 {
-    let kept = if now == Ticks::ZERO { 0.0 } else { (-TICK_S / sigma.correlation_s).exp() };
-    kept * last + deviation * (1.0 - kept * kept).sqrt() * draw(now.0)
+struct Process {
+    kept: f64,
+    renewed: f64,
+}
+
+impl Process {
+    fn new(correlation_s: f64, now: Ticks) -> Self {
+        let kept = if now == Ticks::ZERO { 0.0 } else { (-TICK_S / correlation_s).exp() };
+        Self { kept, renewed: (1.0 - kept * kept).sqrt() }
+    }
+
+    fn next(&self, last: f64, deviation: f64, draw: f64) -> f64 {
+        self.kept * last + deviation * self.renewed * draw
+    }
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ impl Default for Drive {
 }
 
 /// What propulsion remembers from tick to tick, besides thrust and gimbal angles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Propulsion {
     /// That reached the actuators last.
     pub command: Command,

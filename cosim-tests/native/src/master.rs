@@ -60,9 +60,14 @@ impl<C: Component> Participant for Instance<C> {
 pub struct Master<'a> {
     schedule: &'a Schedule,
     participants: Pair<Box<dyn Participant>>,
+    /// What each transfer of the schedule copies, in the order of its actions.
+    links: Vec<Vec<Link>>,
     time: Ticks,
     row: Vec<f64>,
 }
+
+/// From output offset, to input offset, scalars.
+type Link = (usize, usize, usize);
 
 impl<'a> Master<'a> {
     /// Creates both components in their state at t = 0.
@@ -75,8 +80,7 @@ impl<'a> Master<'a> {
     {
         let truth = Box::new(Instance::<T>::new(settings)?);
         let guidance = Box::new(Instance::<G>::new(settings)?);
-        let participants = Pair { truth: truth as _, guidance: guidance as _ };
-        Ok(Self { schedule, participants, time: Ticks::ZERO, row: Vec::new() })
+        Ok(Self::with(schedule, Pair { truth: truth as _, guidance: guidance as _ }))
     }
 
     /// As `new`, for components that were made in memory, each with its state at t = 0.
@@ -93,8 +97,18 @@ impl<'a> Master<'a> {
     {
         let truth = Box::new(Instance::of(truth, truth_state));
         let guidance = Box::new(Instance::of(guidance, guidance_state));
-        let participants = Pair { truth: truth as _, guidance: guidance as _ };
-        Self { schedule, participants, time: Ticks::ZERO, row: Vec::new() }
+        Self::with(schedule, Pair { truth: truth as _, guidance: guidance as _ })
+    }
+
+    fn with(schedule: &'a Schedule, participants: Pair<Box<dyn Participant>>) -> Self {
+        let links = schedule.actions.iter().map(|action| match *action {
+            Action::Transfer { from, to } => {
+                connections(participants[from].interface(), participants[to].interface())
+            }
+            Action::Step { .. } | Action::Record {} => Vec::new(),
+        });
+        let links = links.collect();
+        Self { schedule, participants, links, time: Ticks::ZERO, row: Vec::new() }
     }
 
     /// Runs until a component asks for the end, `stop_time` is reached, or `on_row` breaks.
@@ -117,9 +131,9 @@ impl<'a> Master<'a> {
     ) -> Result<ControlFlow<()>, E> {
         let mut flow = ControlFlow::Continue(());
         self.time += self.schedule.communication_step;
-        for action in &self.schedule.actions {
+        for (place, action) in self.schedule.actions.iter().enumerate() {
             match *action {
-                Action::Transfer { from, to } => self.transfer(from, to)?,
+                Action::Transfer { from, to } => self.transfer(place, from, to)?,
                 Action::Step { component } => {
                     let step = self.schedule.communication_step;
                     if self.participants[component].step(step)?.terminate {
@@ -137,13 +151,13 @@ impl<'a> Master<'a> {
     }
 
     /// Refuses what an FMU refuses: an input that is not finite.
-    fn transfer(&mut self, from: Side, to: Side) -> Result<(), ModelError> {
-        let sink = self.participants[to].interface();
-        for (output, input, size) in connections(self.participants[from].interface(), sink) {
+    fn transfer(&mut self, place: usize, from: Side, to: Side) -> Result<(), ModelError> {
+        for &(output, input, size) in &self.links[place] {
             for offset in 0..size {
                 let value = self.participants[from].outputs()[output + offset];
                 if !value.is_finite() {
-                    let name = scalar_name(sink.inputs, input + offset);
+                    let inputs = self.participants[to].interface().inputs;
+                    let name = scalar_name(inputs, input + offset);
                     return Err(ModelError::NonFiniteInput { name, value });
                 }
                 self.participants[to].inputs()[input + offset] = value;

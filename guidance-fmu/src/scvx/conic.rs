@@ -170,6 +170,8 @@ fn settings(max_iterations: u32) -> DefaultSettings<f64> {
         direct_solve_method: "qdldl".into(),
         presolve_enable: false,
         iterative_refinement_enable: false,
+        // Without refinement it would stay in the answer; pivots that vanish are still lifted.
+        static_regularization_enable: false,
         equilibrate_enable: true,
         equilibrate_max_iter: 4,
         tol_gap_abs: TOLERANCE,

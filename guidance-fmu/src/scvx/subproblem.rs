@@ -303,12 +303,12 @@ impl Subproblem<'_> {
                 Affine::new([(h, -1.0), (step, high)], 0.0)
             };
             let tilt = |tilt_rad: f64| Affine::new([(w_z, 1.0), (h, -tilt_rad.cos())], 0.0);
-            let mut nominal =
-                [ceiling(problem.thrust_max_n), tilt(problem.tilt_limit_rad(j, grid.len()))];
+            let tilt_rad = problem.tilt_limit_rad(reference.left_s(j + 1));
+            let mut nominal = [ceiling(problem.thrust_max_n), tilt(tilt_rad)];
             if let (Some(reserve), Some(e)) = (problem.reserve, columns.reserve(rank)) {
                 nominal.iter_mut().for_each(|row| row.terms.push((e, 1.0)));
                 program.nonnegative(ceiling(reserve.thrust_max_n));
-                program.nonnegative(tilt(reserve.tilt_max_rad));
+                program.nonnegative(tilt(tilt_rad + reserve.tilt_max_rad - problem.tilt_max_rad));
                 program.nonnegative(Affine::new([(e, 1.0)], 0.0));
             }
             nominal.into_iter().for_each(|row| program.nonnegative(row));
@@ -316,7 +316,6 @@ impl Subproblem<'_> {
             // the factorisation fits throughout.
             if local.thrust_floor || (low > 0.0 && grid.structure == Structure::On) {
                 // (G.13): the floor on the thrust itself, along its reference direction.
-                let tilt_rad = problem.tilt_limit_rad(j, grid.len());
                 let w_ref = tilted(&reference.iterate.w_w[j], tilt_rad);
                 let [on_h, on_w] = if local.thrust_floor { [0.0, 1.0] } else { [1.0, 0.0] };
                 let mut row = Affine::new([(step, -low), (h, on_h)], 0.0);
