@@ -94,7 +94,7 @@ fn markov(
     deviation: f64,
     draw: impl Fn(u64) -> f64,
 ) -> f64 {
-    let kept = if now == Ticks::ZERO { 0.0 } else { (-TICK_S / sigma.correlation_s).exp() };
+    let kept = if now == Ticks::ZERO { 0.0 } else { libm::exp(-TICK_S / sigma.correlation_s) };
     kept * last + deviation * (1.0 - kept * kept).sqrt() * draw(now.0)
 }
 
