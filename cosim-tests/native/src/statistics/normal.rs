@@ -126,7 +126,9 @@ mod tests {
             (-1.0, 0.15865525393145707),
             (0.5, 0.6914624612740131),
         ] {
-            assert!((share_below(z) / u - 1.0).abs() < 4e-15, "{z}: {}", share_below(z));
+            // z / √2 has the rounding of √2 and its own, and a tail turns each into z² of it.
+            let tolerance = 4e-15 + z * z * f64::EPSILON;
+            assert!((share_below(z) / u - 1.0).abs() < tolerance, "{z}: {}", share_below(z));
         }
         assert_eq!(quantile(0.5), 0.0);
         assert_eq!([quantile(0.0), quantile(1.0)], [f64::NEG_INFINITY, f64::INFINITY]);

@@ -7,7 +7,6 @@ use lander_models::quantity::{ConfigError, Limit, Section};
 
 use crate::statistics::normal::{self, share_below};
 
-
 /// What a parameter can be set to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
