@@ -57,7 +57,7 @@ pub fn base_unit(unit: &str) -> Option<BaseUnit> {
             for (sum, exponent) in result.exponents.iter_mut().zip(exponents) {
                 *sum += sign * power * exponent;
             }
-            result.factor *= f64::powi(factor, sign * power);
+            result.factor *= libm::pow(factor, f64::from(sign * power));
         }
     }
     Some(result)

@@ -3,6 +3,7 @@
 //! Thrust cannot go below the floor, and the floor exceeds the weight: the vehicle can't hover,
 //! so the law either brakes or has the engine off, and it never asks for anything between.
 
+use lander_models::math::square;
 use lander_models::scenario::Guidance as Task;
 use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
@@ -59,7 +60,7 @@ pub fn demand(
     let speed_m_s = -nav.velocity_w.z;
     let height_m = (nav.altimeter_m - task.cutoff_height_m).max(0.05);
     let needed_m_s2 =
-        (speed_m_s.abs() * speed_m_s - task.cutoff_speed_m_s.powi(2)) / (2.0 * height_m);
+        (speed_m_s.abs() * speed_m_s - square(task.cutoff_speed_m_s)) / (2.0 * height_m);
     let net_m_s2 = |thrust_n: f64| thrust_n / nav.mass.mass_kg - gravity_m_s2;
     let floor_m_s2 = net_m_s2(engine.scale * vehicle.engine.thrust_min_n);
     let ceiling_m_s2 = net_m_s2(engine.ceiling_n(&vehicle.engine)).max(floor_m_s2);
@@ -100,7 +101,7 @@ fn lateral_demand(
         Aim::Below => task.tilt_max_rad,
     };
     let tilt_rad = TILT_LOW_RAD + (high_rad - TILT_LOW_RAD) * share;
-    Vector3::new(wanted_w.x, wanted_w.y, 0.0).cap_magnitude(vertical_m_s2 * tilt_rad.tan())
+    Vector3::new(wanted_w.x, wanted_w.y, 0.0).cap_magnitude(vertical_m_s2 * libm::tan(tilt_rad))
 }
 
 /// Cut-off by speed, height or leg probe (G.34). Speed counts what the tail-off still gives.

@@ -99,7 +99,8 @@ impl EngineEstimate {
         let gain = step_s / (self.seen_s + PRIOR_S).min(MEMORY_S).max(step_s);
         self.seen_s += step_s;
         let direction_b = specific_force_b * (mass_kg / force_n);
-        let line_rad = Vector2::new((-direction_b.y).asin(), direction_b.x.atan2(direction_b.z));
+        let line_rad =
+            Vector2::new(libm::asin(-direction_b.y), libm::atan2(direction_b.x, direction_b.z));
         let scale = force_n / self.nominal_mean_n;
         self.scale = (self.scale + gain * (scale - self.scale))
             .clamp(self.scale_min, 1.0 + THRUST_ERROR_MAX);
@@ -128,7 +129,7 @@ impl EngineEstimate {
         let command_n = if self.igniting > Ticks::ZERO { 0.0 } else { command_n };
         let lag_s = if command_n > 0.0 { engine.thrust_lag_s } else { engine.tail_off_lag_s };
         let (before_n, before_rad) = (self.nominal_n, self.gimbal_rad);
-        self.nominal_n = command_n + (before_n - command_n) * (-step_s / lag_s).exp();
+        self.nominal_n = command_n + (before_n - command_n) * libm::exp(-step_s / lag_s);
         self.gimbal_rad = self.gimbal_after_rad(engine, gimbal_rad, step_s);
         self.nominal_mean_n = 0.5 * (before_n + self.nominal_n);
         self.gimbal_mean_rad = 0.5 * (before_rad + self.gimbal_rad);
@@ -144,7 +145,7 @@ impl EngineEstimate {
         time_s: f64,
     ) -> Vector2<f64> {
         let most_rad = engine.gimbal_rate_rad_s * time_s;
-        let share = 1.0 - (-time_s / engine.gimbal_lag_s).exp();
+        let share = 1.0 - libm::exp(-time_s / engine.gimbal_lag_s);
         let turn_rad = (command_rad - self.gimbal_rad) * share;
         self.gimbal_rad + turn_rad.map(|angle| angle.clamp(-most_rad, most_rad))
     }
@@ -216,12 +217,12 @@ impl EngineEstimate {
 /// Angles about the gimbal axes of a thrust line along a force.
 pub fn line_rad(force_b: &Vector3<f64>) -> Vector2<f64> {
     let direction_b = force_b.normalize();
-    Vector2::new((-direction_b.y).asin(), direction_b.x.atan2(direction_b.z))
+    Vector2::new(libm::asin(-direction_b.y), libm::atan2(direction_b.x, direction_b.z))
 }
 
 /// Unit thrust line at angles about the gimbal axes.
 pub fn line_b(angles_rad: &Vector2<f64>) -> Vector3<f64> {
-    let ((sin_x, cos_x), (sin_y, cos_y)) = (angles_rad.x.sin_cos(), angles_rad.y.sin_cos());
+    let ((sin_x, cos_x), (sin_y, cos_y)) = (libm::sincos(angles_rad.x), libm::sincos(angles_rad.y));
     Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)
 }
 

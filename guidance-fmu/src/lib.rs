@@ -4,6 +4,8 @@
 //! rest flies the plans of `scvx`. Plain library: no FMI, no output, no clock, no threads. Equations
 //! (G.n) in the README.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod navigation;
 pub mod scvx;
 pub mod six_dof;

@@ -269,9 +269,9 @@ fn powered_orders(context: &Context, acceleration_w: &Vector3<f64>) -> Orders {
 /// Direction of `v_w`, turned towards the vertical where it exceeds the tilt limit.
 fn within_tilt(v_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
     let lateral_w = Vector3::new(v_w.x, v_w.y, 0.0);
-    if lateral_w.norm() <= v_w.z * tilt_max_rad.tan() {
+    if lateral_w.norm() <= v_w.z * libm::tan(tilt_max_rad) {
         return v_w.normalize();
     }
     let side_w = lateral_w.try_normalize(0.0).unwrap_or_default();
-    side_w * tilt_max_rad.sin() + Vector3::z() * tilt_max_rad.cos()
+    side_w * libm::sin(tilt_max_rad) + Vector3::z() * libm::cos(tilt_max_rad)
 }

@@ -1,6 +1,7 @@
 //! What is asked of the planner, and when its answer is flown.
 
 use lander_models::Ticks;
+use lander_models::math::square;
 use lander_models::scenario::{Guidance as Task, GuidanceMode};
 use lander_models::vehicle::{G0_M_S2, Vehicle};
 use nalgebra::Vector3;
@@ -241,7 +242,7 @@ fn gate(task: &Task, nav: &Navigation, braking_m_s2: f64) -> (Vector3<f64>, Vect
     let gate_height_m = if task.terminal_law { task.gate_height_m } else { task.cutoff_height_m };
     let position_w = task.target_w + Vector3::z() * (gate_height_m + com_height_m);
     let braking_m = (gate_height_m - task.cutoff_height_m).max(0.0);
-    let speed_m_s = (task.cutoff_speed_m_s.powi(2) + 2.0 * braking_m_s2 * braking_m).sqrt();
+    let speed_m_s = (square(task.cutoff_speed_m_s) + 2.0 * braking_m_s2 * braking_m).sqrt();
     (position_w, Vector3::z() * -speed_m_s)
 }
 

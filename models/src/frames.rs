@@ -36,14 +36,14 @@ pub fn attitude_from_roll_pitch_yaw_deg(angles_deg: [f64; 3]) -> Attitude {
 pub fn tilt_rad(attitude_wb: &Attitude) -> f64 {
     let up_w = attitude_wb * Vector3::z();
     // atan2 keeps full precision near zero, where acos(z) loses half the digits.
-    up_w.xy().norm().atan2(up_w.z)
+    libm::atan2(up_w.xy().norm(), up_w.z)
 }
 
 /// Turn about the vertical that leads from one attitude to the other, rad, in (-π, π]: the twist
 /// about world z of the rotation between them.
 pub fn heading_change_rad(from_wb: &Attitude, to_wb: &Attitude) -> f64 {
     let turn = to_wb * from_wb.inverse();
-    (2.0 * turn.w * turn.k).atan2(turn.w * turn.w - turn.k * turn.k)
+    libm::atan2(2.0 * turn.w * turn.k, turn.w * turn.w - turn.k * turn.k)
 }
 
 /// Symmetric tensor from its moments and its elements xy, xz, yz.

@@ -3,11 +3,14 @@
 //! `truth-model` and `guidance-fmu` depend on this crate and never on each other.
 //! Everything here is data and definitions: no physics, no guidance, no FMI.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 mod changes;
 pub mod component;
 pub mod frames;
 pub mod heightmap;
 pub mod mass;
+pub mod math;
 pub mod outcome;
 pub mod quantity;
 pub mod random;

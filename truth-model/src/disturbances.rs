@@ -101,7 +101,7 @@ struct Process {
 
 impl Process {
     fn new(correlation_s: f64, now: Ticks) -> Self {
-        let kept = if now == Ticks::ZERO { 0.0 } else { (-TICK_S / correlation_s).exp() };
+        let kept = if now == Ticks::ZERO { 0.0 } else { libm::exp(-TICK_S / correlation_s) };
         Self { kept, renewed: (1.0 - kept * kept).sqrt() }
     }
 

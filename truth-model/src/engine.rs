@@ -120,8 +120,8 @@ pub struct Following<'a> {
 
 impl<'a> Following<'a> {
     pub fn through(engine: &'a Engine, phase: Phase, target: Actuators, time_s: f64) -> Self {
-        let thrust_left = (-time_s / phase.lag_s(engine)).exp();
-        let gimbal_left = (-time_s / engine.gimbal_lag_s).exp();
+        let thrust_left = libm::exp(-time_s / phase.lag_s(engine));
+        let gimbal_left = libm::exp(-time_s / engine.gimbal_lag_s);
         Self { engine, target, time_s, thrust_left, gimbal_left }
     }
 
@@ -151,14 +151,14 @@ impl<'a> Following<'a> {
             return angle_rad + error_rad.signum() * rate_rad_s * self.time_s;
         }
         let left_rad = error_rad - error_rad.signum() * limited_rad;
-        target_rad - left_rad * (-(self.time_s - limited_s) / lag_s).exp()
+        target_rad - left_rad * libm::exp(-(self.time_s - limited_s) / lag_s)
     }
 }
 
 /// Unit thrust direction, body frame: body z turned about x, then about y (T.4).
 #[inline]
 pub fn thrust_direction_b(gimbal_rad: Vector2<f64>) -> Vector3<f64> {
-    let ((sin_x, cos_x), (sin_y, cos_y)) = (gimbal_rad.x.sin_cos(), gimbal_rad.y.sin_cos());
+    let ((sin_x, cos_x), (sin_y, cos_y)) = (libm::sincos(gimbal_rad.x), libm::sincos(gimbal_rad.y));
     Vector3::new(cos_x * sin_y, -sin_x, cos_x * cos_y)
 }
 

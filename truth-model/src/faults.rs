@@ -88,14 +88,14 @@ fn erosion_factor(engine: &Engine, fault: &NozzleErosion, elapsed_s: f64) -> f64
 pub fn vacuum_thrust_coefficient(expansion_ratio: f64, gamma: f64) -> f64 {
     let mach = exit_mach(expansion_ratio, gamma);
     let stagnation = 1.0 + 0.5 * (gamma - 1.0) * mach * mach;
-    expansion_ratio * (1.0 + gamma * mach * mach) * stagnation.powf(-gamma / (gamma - 1.0))
+    expansion_ratio * (1.0 + gamma * mach * mach) * libm::pow(stagnation, -gamma / (gamma - 1.0))
 }
 
 /// Supersonic Mach number at an area ratio (T.72), by bisection.
 fn exit_mach(expansion_ratio: f64, gamma: f64) -> f64 {
     let area_ratio = |mach: f64| {
         let stagnation = 1.0 + 0.5 * (gamma - 1.0) * mach * mach;
-        (2.0 / (gamma + 1.0) * stagnation).powf(0.5 * (gamma + 1.0) / (gamma - 1.0)) / mach
+        libm::pow(2.0 / (gamma + 1.0) * stagnation, 0.5 * (gamma + 1.0) / (gamma - 1.0)) / mach
     };
     let (mut low, mut high) = (1.0, 2.0);
     while area_ratio(high) < expansion_ratio {

@@ -2,6 +2,8 @@
 //!
 //! Plain library: no FMI, no output, no clock, no threads. Equations (T.n) in the README.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod burn;
 pub mod contact;
 pub mod disturbances;

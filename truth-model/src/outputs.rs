@@ -78,7 +78,7 @@ impl TruthModel {
         let off_ground_rad = rest.map(|_| {
             let (up_w, normal_w) =
                 (motion.attitude_wb * Vector3::z(), self.footprint_normal_w(state));
-            up_w.cross(&normal_w).norm().atan2(up_w.dot(&normal_w))
+            libm::atan2(up_w.cross(&normal_w).norm(), up_w.dot(&normal_w))
         });
         put("rest_tilt_to_ground_deg", &[or_nan(off_ground_rad.map(f64::to_degrees))]);
         let turn_rad = rest.map(|c| heading_change_rad(&c.attitude_wb, &motion.attitude_wb));

@@ -55,8 +55,8 @@ impl Pendulums {
     /// Swings all bobs out to `angle_rad` from the body's axis, towards `azimuth_rad` about body z,
     /// moving on outwards at `rate_rad_s`: what a disturbance leaves behind.
     pub fn excite(&mut self, angle_rad: f64, rate_rad_s: f64, azimuth_rad: f64) {
-        let out_b = Vector3::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0);
-        let (sin, cos) = angle_rad.sin_cos();
+        let out_b = Vector3::new(libm::cos(azimuth_rad), libm::sin(azimuth_rad), 0.0);
+        let (sin, cos) = libm::sincos(angle_rad);
         for pendulum in &mut self.each[..self.count] {
             pendulum.direction_b = out_b * sin - Vector3::z() * cos;
             pendulum.swing_b = (out_b * cos + Vector3::z() * sin) * rate_rad_s;
@@ -65,7 +65,7 @@ impl Pendulums {
 
     /// Largest angle of a bob from where it hangs, rad; 0 without slosh.
     pub fn angle_rad(&self) -> f64 {
-        let angle = |p: &Pendulum| p.direction_b.xy().norm().atan2(-p.direction_b.z);
+        let angle = |p: &Pendulum| libm::atan2(p.direction_b.xy().norm(), -p.direction_b.z);
         self.as_slice().iter().map(angle).fold(0.0, f64::max)
     }
 

@@ -82,7 +82,7 @@ pub fn tip_state(tipping: &Tipping, feet_b: &[Vector3<f64>]) -> TipState {
 /// Static tip angle of a centre of mass `height_m` above and `distance_m` inside an edge or a
 /// foot, rad (T.16).
 pub fn static_tip_angle_rad(distance_m: f64, height_m: f64) -> f64 {
-    distance_m.atan2(height_m)
+    libm::atan2(distance_m, height_m)
 }
 
 /// Horizontal speed at which captured pads tip a vehicle over on level ground, m/s (T.17).
@@ -127,14 +127,15 @@ impl Captured {
     pub fn tip_speed_m_s(&self, gravity_m_s2: f64) -> f64 {
         let Self { mass_kg, distance_m, height_m, pad_radius_m, .. } = *self;
         let inertia_about_edge =
-            self.inertia_kg_m2 + mass_kg * (distance_m.powi(2) + height_m.powi(2));
+            self.inertia_kg_m2 + mass_kg * (distance_m * distance_m + height_m * height_m);
         // From the balls' centres to the centre of mass, and its angle from the vertical.
-        let arm_m = distance_m.hypot(height_m - pad_radius_m);
-        let lean_rad = distance_m.atan2(height_m - pad_radius_m) - self.slope_rad;
+        let arm_m = libm::hypot(distance_m, height_m - pad_radius_m);
+        let lean_rad = libm::atan2(distance_m, height_m - pad_radius_m) - self.slope_rad;
         // Above the point of contact, the arm leans by this much.
-        let top_rad = (pad_radius_m * self.slope_rad.sin() / arm_m).asin();
+        let top_rad = libm::asin(pad_radius_m * libm::sin(self.slope_rad) / arm_m);
         let rolled_m = pad_radius_m * (lean_rad - top_rad);
-        let climb_m = arm_m * (top_rad.cos() - lean_rad.cos()) - rolled_m * self.slope_rad.sin();
+        let climb_m = arm_m * (libm::cos(top_rad) - libm::cos(lean_rad))
+            - rolled_m * libm::sin(self.slope_rad);
         (2.0 * mass_kg * gravity_m_s2 * climb_m * inertia_about_edge).sqrt() / (mass_kg * height_m)
     }
 }

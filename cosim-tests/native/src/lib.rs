@@ -3,6 +3,8 @@
 //! The FMPy master sends its rows to the same recorder through `lander record`, so two runs
 //! with equal rows leave equal files whoever produced them.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod descents;
 pub mod failures;
 pub mod flight;

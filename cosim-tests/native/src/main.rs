@@ -1,5 +1,7 @@
 //! `lander`: the native landing, and the recorder behind the FMPy master.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 mod cli;
 
 use std::io::Write;

@@ -180,7 +180,7 @@ fn ground(terrain: &Ground, relief: &Relief, target_w: &Vector3<f64>) -> Entity 
         color: GRID,
     };
     let ring = |index: u32| {
-        let (sin, cos) = (f64::from(index) * std::f64::consts::TAU / 32.0).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(index) * std::f64::consts::TAU / 32.0);
         let [x_m, y_m] = [target_w.x + TARGET_RADIUS_M * cos, target_w.y + TARGET_RADIUS_M * sin];
         Vector3::new(x_m, y_m, terrain.height_m(x_m, y_m) + 2.0 * LIFT_M)
     };

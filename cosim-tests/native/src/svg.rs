@@ -128,7 +128,7 @@ pub fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
     if !(raw.is_finite() && raw > 0.0) {
         return Vec::new();
     }
-    let power = 10.0_f64.powf(raw.log10().floor());
+    let power = libm::pow(10.0, libm::log10(raw).floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
     let step = step.into_iter().find(|step| *step >= raw * 0.999).unwrap_or(raw);
     let first = (low / step - 1e-9).ceil() as i64;

@@ -328,7 +328,7 @@ fn at_origin(mut scenario: Scenario, vehicle: &Vehicle, case: &Case) -> Scenario
     scenario.terrain.pads_captured = captured == 1.0;
     let attitude_wb = attitude_from_roll_pitch_yaw_deg([roll_deg, pitch_deg, yaw_deg]);
     let rate_b = Vector3::new(rate_x_deg_s, rate_y_deg_s, rate_z_deg_s).map(f64::to_radians);
-    let (sin, cos) = travel_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(travel_deg.to_radians());
     let com_velocity_w = Vector3::new(across_m_s * cos, across_m_s * sin, -down_m_s);
     let com_b = vehicle.mass.at(propellant_kg).com_b;
     scenario.initial = Initial {

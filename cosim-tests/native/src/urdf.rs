@@ -37,7 +37,7 @@ struct Place {
 fn cylinder(visuals: &mut String, place: &Place, length_m: f64, radius_m: f64, color: Color) {
     let (Place { center, axis }, [r, g, b, a]) = (place, color);
     // URDF turns about x, y and z in this order; z goes to the axis by the last two.
-    let (pitch, yaw) = (axis.z.clamp(-1.0, 1.0).acos(), axis.y.atan2(axis.x));
+    let (pitch, yaw) = (libm::acos(axis.z.clamp(-1.0, 1.0)), libm::atan2(axis.y, axis.x));
     // Writing to a String cannot fail.
     let _ = writeln!(
         visuals,

@@ -1,7 +1,7 @@
 """fmi-sim, the importer of rust-fmi, flies each FMU alone through a whole landing.
 
 It takes inputs from a file: truth gets the commands of the landing that FMPy has flown, guidance
-its readings. Both FMUs are those of FMI 2.0: fmi-sim 0.7.0 can't read the unit of a Float64.
+its readings. FMI 2.0 and FMI 3.0 with scalars: fmi-sim 0.7.0 reads one value of an array.
 """
 
 import csv
@@ -39,9 +39,10 @@ def simulate(fmu: Path, inputs: dict[str, np.ndarray], folder: Path) -> dict[str
     return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
 
 
+@pytest.mark.parametrize("variant", ["fmi2", "fmi3"])
 @pytest.mark.parametrize("model", ["lander-truth", "scvx-guidance"])
-def test_fmi_sim_flies_what_fmpy_flew(model, landing_table, tmp_path):
-    fmu = fmu_file(FMUS, model, "fmi2")
+def test_fmi_sim_flies_what_fmpy_flew(model, variant, landing_table, tmp_path):
+    fmu = fmu_file(FMUS, model, variant)
     with Component(fmu, model) as component:
         names, columns = list(component.inputs), component.columns
     # A command flies in the step whose row records it; a reading is that of the row before.

@@ -15,6 +15,8 @@
 //! `unsafe` is in the last two rows only. A leaf cdylib makes the C symbols with [`export!`]. No
 //! other crate may: two sets of `fmi3*` symbols in one binary make the linker pick one in silence.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod c_abi;
 pub mod error;
 pub mod fmi2;

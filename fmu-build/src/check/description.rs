@@ -73,6 +73,11 @@ fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Str
             (v.name, row)
         })
         .collect();
+    let types: BTreeMap<&str, &str> = child(root, "TypeDefinitions")
+        .into_iter()
+        .flat_map(|types| types.children())
+        .filter_map(|one| one.attribute("name").zip(one.attribute("unit")))
+        .collect();
     let mut found = BTreeMap::<String, Row>::new();
     let mut problems = Vec::new();
     let listed = child(root, "ModelVariables").into_iter().flat_map(|n| n.children());
@@ -83,6 +88,9 @@ fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Str
             Variant::Fmi3 | Variant::Fmi3Arrays => node,
         };
         let attribute = |node: Node, key| node.attribute(key).unwrap_or_default().to_owned();
+        // In FMI 3.0 the type says it.
+        let declared = node.attribute("declaredType").and_then(|name| types.get(name));
+        let unit = typed.attribute("unit").or(declared.copied()).unwrap_or_default();
         // A string of FMI 3.0 has its start in an element.
         let start =
             child(node, "Start").map_or(attribute(typed, "start"), |s| attribute(s, "value"));
@@ -91,7 +99,7 @@ fn variable_problems(model: &Interface, variant: Variant, root: Node) -> Vec<Str
             typed.tag_name().name().to_owned(),
             attribute(node, "valueReference"),
             attribute(node, "causality"),
-            attribute(typed, "unit"),
+            unit.to_owned(),
             start,
             attribute(typed, "min"),
             attribute(typed, "max"),

@@ -18,7 +18,9 @@ pub fn write_variable(xml: &mut Xml, variable: &Variable) {
         ("description", variable.description),
     ];
     xml.element("ScalarVariable", &attributes, |xml| {
-        xml.leaf(kind, &borrowed(&real_attributes(variable)));
+        let mut own = real_attributes(variable);
+        own.extend(variable.unit.map(|unit| ("unit", unit.to_owned())));
+        xml.leaf(kind, &borrowed(&own));
     });
 }
 

@@ -127,13 +127,12 @@ pub fn write_base(xml: &mut Xml, element: &'static str, base: &BaseUnit) {
 }
 
 /// Attributes of a real variable, but for those of its version. Outputs are
-/// `initial="calculated"` by default and so have no start value.
+/// `initial="calculated"` by default and so have no start value. The unit is that of the declared
+/// type; FMI 2.0 repeats it, FMI 3.0 does not, because fmi-sim refuses it there.
 fn real_attributes(variable: &Variable) -> Vec<(&'static str, String)> {
     let mut attributes = Vec::new();
-    if let Some(unit) = variable.unit {
-        attributes.extend(quantity(unit).map(|q| ("declaredType", q.name.to_owned())));
-        attributes.push(("unit", unit.to_owned()));
-    }
+    let quantity = variable.unit.and_then(quantity);
+    attributes.extend(quantity.map(|quantity| ("declaredType", quantity.name.to_owned())));
     let (least, greatest) = variable.range;
     let ends = [("min", least), ("max", greatest)].into_iter().filter(|(_, end)| end.is_finite());
     attributes.extend(ends.map(|(key, end)| (key, end.to_string())));

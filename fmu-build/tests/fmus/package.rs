@@ -81,7 +81,7 @@ fn check_finds_what_was_tampered_with() {
     let workshop = Workshop::new("tampered");
     for (from, to, expected) in [
         ("name=\"mass_kg\"", "name=\"mass\"", "variable mass_kg is missing"),
-        ("unit=\"kg\" min", "unit=\"g\" min", "variable mass_kg is"),
+        ("declaredType=\"Mass\" min", "declaredType=\"Force\" min", "variable mass_kg is"),
         ("causality=\"input\"", "causality=\"local\"", "variable thrust_command_n is"),
         ("instantiationToken=\"", "instantiationToken=\"0", "instantiationToken is"),
         ("<Output valueReference=\"2000\" dependencies=\"\"/>", "", "ModelStructure/Output"),

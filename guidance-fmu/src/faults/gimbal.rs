@@ -102,7 +102,8 @@ impl GimbalWatch {
         let line_rad = disturbance::line_rad(&force_b);
         self.seen_s += step_s;
         let gain = |memory_s: f64| step_s / self.seen_s.min(memory_s).max(step_s);
-        let sigma_rad = JITTER_RAD.hypot(NOISE_M_S2 * evidence.nav.mass.mass_kg / force_b.norm());
+        let sigma_rad =
+            libm::hypot(JITTER_RAD, NOISE_M_S2 * evidence.nav.mass.mass_kg / force_b.norm());
         let most_rad = DEVIATIONS * sigma_rad;
         if let Some(seizure) = &mut self.seized {
             self.line_rad += (line_rad - self.line_rad) * gain(SEIZED_MEMORY_S);

@@ -1,5 +1,6 @@
 //! The filter itself: covariance propagation and the gated update (G.52 to G.56).
 
+use lander_models::math::square;
 use lander_models::vehicle::{ImuSpec, TriadSpec};
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -108,12 +109,12 @@ impl Filter {
     fn add_noise(&mut self, imu: &ImuSpec, duration_s: f64, bridged: bool) {
         let walk = |triad: &TriadSpec, guess: f64| {
             let density = if bridged { guess * guess * BRIDGED_TIME_S } else { 0.0 };
-            (triad.random_walk.powi(2) + density) * duration_s
+            (square(triad.random_walk) + density) * duration_s
         };
         let velocity = walk(&imu.accelerometer, BRIDGED_FORCE_M_S2);
         let attitude = walk(&imu.gyro, BRIDGED_RATE_RAD_S);
         let drift = |triad: &TriadSpec| {
-            2.0 * triad.drift.powi(2) * duration_s / triad.drift_time_s.max(f64::MIN_POSITIVE)
+            2.0 * square(triad.drift) * duration_s / triad.drift_time_s.max(f64::MIN_POSITIVE)
         };
         let p = &mut self.covariance;
         for axis in 0..3 {

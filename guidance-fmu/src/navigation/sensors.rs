@@ -1,6 +1,7 @@
 //! What each sensor should read, and how that depends on the errors (G.57 to G.59).
 
 use lander_models::frames::Attitude;
+use lander_models::math::square;
 use lander_models::vehicle::{AltimeterSpec, LandmarkSpec, StarTrackerSpec, VelocimeterSpec};
 use nalgebra::{Matrix1, Matrix3, SMatrix, Vector1, Vector3};
 
@@ -77,9 +78,9 @@ pub fn altimeter(
     sensitivity *= gain;
     sensitivity[ALTIMETER_BIAS] = 1.0;
     sensitivity[ALTIMETER_SCALE] = range_m;
-    let variance = spec.noise_m.powi(2)
-        + (spec.noise_relative * range_m).powi(2)
-        + (ground.roughness_m * gain).powi(2);
+    let variance = square(spec.noise_m)
+        + square(spec.noise_relative * range_m)
+        + square(ground.roughness_m * gain);
     let predicted_m =
         range_m * (1.0 + nominal.parameter(ALTIMETER_SCALE)) + nominal.parameter(ALTIMETER_BIAS);
     Some(Innovation {
@@ -111,7 +112,7 @@ pub fn velocimeter(
     set(VELOCIMETER_BIAS, Matrix3::identity());
     set(VELOCIMETER_SCALE, Matrix3::from_diagonal(&velocity_b));
     let variance =
-        velocity_b.map(|speed| spec.noise_m_s.powi(2) + (spec.noise_relative * speed).powi(2));
+        velocity_b.map(|speed| square(spec.noise_m_s) + square(spec.noise_relative * speed));
     let predicted_b = velocity_b.component_mul(&gain) + nominal.parameters3(VELOCIMETER_BIAS);
     Innovation {
         value: measured_b - predicted_b,
@@ -134,8 +135,8 @@ pub fn star_tracker(
     Innovation {
         value: turn_b - nominal.parameters3(MISALIGNMENT),
         sensitivity,
-        noise: (Matrix3::identity() - about) * spec.noise_across_rad.powi(2)
-            + about * spec.noise_about_rad.powi(2),
+        noise: (Matrix3::identity() - about) * square(spec.noise_across_rad)
+            + about * square(spec.noise_about_rad),
     }
 }
 

@@ -47,11 +47,11 @@ fn covariance(scenario: &Scenario, prior: &Prior, sensors: &Sensors) -> Covarian
         }
     };
     let all = Vector3::repeat;
-    set(POSITION, all(prior.position_m.hypot(dispersed.initial_position_m)));
-    set(VELOCITY, all(prior.velocity_m_s.hypot(dispersed.initial_velocity_m_s)));
+    set(POSITION, all(libm::hypot(prior.position_m, dispersed.initial_position_m)));
+    set(VELOCITY, all(libm::hypot(prior.velocity_m_s, dispersed.initial_velocity_m_s)));
     set(ATTITUDE, all(prior.attitude_rad));
-    set(GYRO_BIAS, all(imu.gyro.bias.hypot(imu.gyro.drift)));
-    set(ACCELEROMETER_BIAS, all(imu.accelerometer.bias.hypot(imu.accelerometer.drift)));
+    set(GYRO_BIAS, all(libm::hypot(imu.gyro.bias, imu.gyro.drift)));
+    set(ACCELEROMETER_BIAS, all(libm::hypot(imu.accelerometer.bias, imu.accelerometer.drift)));
     set(GYRO_SCALE, all(imu.gyro.scale));
     set(ACCELEROMETER_SCALE, all(imu.accelerometer.scale));
     set(MISALIGNMENT, all(star_tracker.misalignment_rad));
@@ -60,13 +60,13 @@ fn covariance(scenario: &Scenario, prior: &Prior, sensors: &Sensors) -> Covarian
     let map_bias_w = |landmark| scenario.guidance.map_bias_w(landmark);
     set(LANDMARK_BIAS, landmark.as_ref().map_or(Vector3::zeros(), map_bias_w));
     let mut set = |place, sigma: f64| p[(place, place)] = sigma * sigma;
-    set(GRAVITY, prior.gravity.hypot(dispersed.gravity));
+    set(GRAVITY, libm::hypot(prior.gravity, dispersed.gravity));
     set(ALTIMETER_BIAS, altimeter.bias_m);
     set(ALTIMETER_SCALE, altimeter.scale);
     set(SLOPE, prior.ground_slope);
     set(SLOPE + 1, prior.ground_slope);
     // The product of slope and position errors, which a linear model of the range leaves out.
-    let position_m = prior.position_m.hypot(dispersed.initial_position_m);
+    let position_m = libm::hypot(prior.position_m, dispersed.initial_position_m);
     set(GROUND, std::f64::consts::SQRT_2 * prior.ground_slope * position_m);
     p
 }

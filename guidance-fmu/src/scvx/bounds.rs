@@ -24,7 +24,7 @@ pub(super) fn check(problem: &Problem, least: Option<&LeastImpulse>) -> Result<(
     }
     match least {
         Some(least) if least.delta_v_m_s > problem.delta_v_max_m_s() => {
-            let share = -(-problem.mass_flow_s_m() * least.delta_v_m_s).exp_m1();
+            let share = -libm::expm1(-problem.mass_flow_s_m() * least.delta_v_m_s);
             let available_kg = problem.mass_kg - problem.dry_mass_kg;
             Err(PlanError::FuelBound { least_kg: problem.mass_kg * share, available_kg })
         }
@@ -78,9 +78,9 @@ fn two_impulses(problem: &Problem, flight_s: f64, slack_m_s: f64) -> f64 {
     let fall_w = problem.gravity_w() * (0.5 * flight_s);
     let first_w = mean_w - problem.v0_w - fall_w;
     let last_w = problem.v_f_w - mean_w - fall_w;
-    let tilt_max_rad = problem.tilt_ceiling_rad();
+    let (sin, cos) = libm::sincos(problem.tilt_ceiling_rad());
     let least = |w_w: Vector3<f64>, slack_m_s: f64| {
-        let outside_m_s = w_w.xy().norm() * tilt_max_rad.cos() - w_w.z * tilt_max_rad.sin();
+        let outside_m_s = w_w.xy().norm() * cos - w_w.z * sin;
         let inside = outside_m_s <= slack_m_s;
         if inside { (w_w.norm() - slack_m_s).max(0.0) } else { f64::INFINITY }
     };
@@ -101,7 +101,7 @@ fn deepest(problem: &Problem) -> Option<(f64, f64)> {
     let flow_kg_s = thrust_n / exhaust_m_s;
     let (m0_kg, g_m_s2) = (problem.mass_kg, problem.gravity_m_s2);
     let burnout_s = (m0_kg - problem.dry_mass_kg) / flow_kg_s;
-    let gained_m_s = |t_s: f64| -exhaust_m_s * (-flow_kg_s * t_s / m0_kg).ln_1p() - g_m_s2 * t_s;
+    let gained_m_s = |t_s: f64| -exhaust_m_s * libm::log1p(-flow_kg_s * t_s / m0_kg) - g_m_s2 * t_s;
     // No flight ends before: up to here it sinks faster than its target velocity.
     let to_gain_m_s = problem.v_f_w.z.min(0.0) - problem.v0_w.z;
     let stops = thrust_n > m0_kg * g_m_s2 && gained_m_s(burnout_s) >= to_gain_m_s;
@@ -116,7 +116,7 @@ fn deepest(problem: &Problem) -> Option<(f64, f64)> {
     }
     let t_s = to_s;
     let left = 1.0 - flow_kg_s * t_s / m0_kg;
-    let lifted_m = exhaust_m_s * (t_s + m0_kg / flow_kg_s * left * left.ln());
+    let lifted_m = exhaust_m_s * (t_s + m0_kg / flow_kg_s * left * libm::log(left));
     let z_m = problem.r0_w.z + problem.v0_w.z * t_s + lifted_m - 0.5 * g_m_s2 * t_s * t_s;
     Some((t_s, z_min_m - z_m))
 }

@@ -132,7 +132,7 @@ impl Problem {
 
     /// Velocity that the propellant on board can give, m/s.
     pub(super) fn delta_v_max_m_s(&self) -> f64 {
-        (self.mass_kg / self.dry_mass_kg).ln() / self.mass_flow_s_m()
+        libm::log(self.mass_kg / self.dry_mass_kg) / self.mass_flow_s_m()
     }
 
     /// Nominal tilt limit of an interval that ends `left_s` before the plan, rad (G.6).

@@ -10,6 +10,7 @@ use super::problem::{Problem, Settings, Terminal};
 use super::propulsion::PHASE_REMAINDER_MIN_S;
 use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
+use lander_models::math::square;
 
 /// Mean thrust over the ceiling above which a relaxed interval counts as part of a burn.
 const RUNNING_SHARE: f64 = 0.1;
@@ -35,7 +36,7 @@ pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
     let floor_m_s2 = problem.thrust_min_n / problem.mass_kg;
     cheapest(problem, grid, 33, |guess| {
         let raised = guess.w_w.iter().map(|w| (w.norm().max(floor_m_s2 * guess.step_s[0]), w.z));
-        let upward = |h: f64, w_z: f64| (problem.tilt_max_rad.cos() * h - w_z).max(0.0);
+        let upward = |h: f64, w_z: f64| (libm::cos(problem.tilt_max_rad) * h - w_z).max(0.0);
         raised.map(|(h, w_z)| h + UPWARD_WEIGHT * upward(h, w_z)).sum()
     })
 }
@@ -53,8 +54,9 @@ fn cheapest(
     const LONGEST: f64 = 4.0;
     let range_m = (problem.r0_w - problem.r_f_w).norm();
     let unit_s = fall_s(problem).max((2.0 * range_m / problem.gravity_m_s2).sqrt()).max(1.0);
-    let ratio = (LONGEST / SHORTEST).powf(1.0 / f64::from(count - 1));
-    let guess = |k| minimum_energy_at(problem, grid, SHORTEST * ratio.powi(k) * unit_s);
+    let ratio = libm::pow(LONGEST / SHORTEST, 1.0 / f64::from(count - 1));
+    let guess =
+        |k| minimum_energy_at(problem, grid, SHORTEST * libm::pow(ratio, f64::from(k)) * unit_s);
     let rest = (1..count).map(guess);
     let priced = rest.fold((price(&guess(0)), guess(0)), |(least, best), guess| {
         let found = price(&guess);
@@ -78,9 +80,9 @@ pub(super) fn climb(problem: &Problem, grid: &Grid) -> Iterate {
     const GROWTH: f64 = 1.25;
     const TRIES: i32 = 30;
     let unit_s = (problem.v0_w - problem.v_f_w).norm() / problem.gravity_m_s2;
-    let per_upward = SHARE * problem.tilt_max_rad.tan();
-    let guesses =
-        (0..TRIES).map(|k| minimum_energy_at(problem, grid, 0.1 * unit_s * GROWTH.powi(k)));
+    let per_upward = SHARE * libm::tan(problem.tilt_max_rad);
+    let guesses = (0..TRIES)
+        .map(|k| minimum_energy_at(problem, grid, 0.1 * unit_s * libm::pow(GROWTH, f64::from(k))));
     let mut longest = None;
     for guess in guesses {
         let sideways_m_s: f64 = guess.w_w.iter().map(|w| w.xy().norm()).sum();
@@ -101,8 +103,8 @@ fn minimum_energy_at(problem: &Problem, grid: &Grid, t_f_s: f64) -> Iterate {
         // Where the position is free, the constant acceleration of b = 0.
         (dr_w.x, dr_w.y) = (0.5 * dv_w.x * t_f_s, 0.5 * dv_w.y * t_f_s);
     }
-    let a_w = dr_w * (6.0 / t_f_s.powi(2)) - dv_w * (2.0 / t_f_s);
-    let b_w = dv_w * (6.0 / t_f_s.powi(2)) - dr_w * (12.0 / t_f_s.powi(3));
+    let a_w = dr_w * (6.0 / square(t_f_s)) - dv_w * (2.0 / t_f_s);
+    let b_w = dv_w * (6.0 / square(t_f_s)) - dr_w * (12.0 / (square(t_f_s) * t_f_s));
     let step_s = t_f_s / grid.len() as f64;
     let impulse = |j| (a_w + b_w * ((j as f64 + 0.5) * step_s) - problem.gravity_w()) * step_s;
     Iterate::lossless(vec![step_s], (0..grid.len()).map(impulse).collect())

@@ -302,7 +302,7 @@ impl Subproblem<'_> {
                 let high = thrust_n / reference.nodes[j].mass_kg * per_step;
                 Affine::new([(h, -1.0), (step, high)], 0.0)
             };
-            let tilt = |tilt_rad: f64| Affine::new([(w_z, 1.0), (h, -tilt_rad.cos())], 0.0);
+            let tilt = |tilt_rad: f64| Affine::new([(w_z, 1.0), (h, -libm::cos(tilt_rad))], 0.0);
             let tilt_rad = problem.tilt_limit_rad(reference.left_s(j + 1));
             let mut nominal = [ceiling(problem.thrust_max_n), tilt(tilt_rad)];
             if let (Some(reserve), Some(e)) = (problem.reserve, columns.reserve(rank)) {
@@ -360,8 +360,8 @@ impl Subproblem<'_> {
             row
         };
         let mut height = relative(2);
-        height.constant *= angle_rad.tan();
-        height.terms.iter_mut().for_each(|(_, c)| *c *= angle_rad.tan());
+        height.constant *= libm::tan(angle_rad);
+        height.terms.iter_mut().for_each(|(_, c)| *c *= libm::tan(angle_rad));
         height.terms.push((columns.path_slack(), 1.0 / SLACK_WEIGHT));
         [height, relative(0), relative(1)]
     }
@@ -411,9 +411,9 @@ impl Subproblem<'_> {
 /// Direction of `w_w`, or the nearest one within a tilt: no thrust could meet a floor along others.
 fn tilted(w_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
     let across_w = Vector3::new(w_w.x, w_w.y, 0.0);
-    if across_w.norm().atan2(w_w.z) <= tilt_max_rad {
+    if libm::atan2(across_w.norm(), w_w.z) <= tilt_max_rad {
         return w_w.try_normalize(0.0).unwrap_or_else(Vector3::z);
     }
-    let (sin, cos) = tilt_max_rad.sin_cos();
+    let (sin, cos) = libm::sincos(tilt_max_rad);
     across_w.try_normalize(0.0).unwrap_or_else(Vector3::x) * sin + Vector3::z() * cos
 }

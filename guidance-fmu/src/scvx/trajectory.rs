@@ -53,7 +53,7 @@ impl Node {
             t_s: self.t_s + dt_s,
             r_w: self.r_w + self.v_w * dt_s + a_w * (0.5 * dt_s * dt_s),
             v_w: self.v_w + a_w * dt_s,
-            mass_kg: self.mass_kg * (-mass_flow_s_m * u_w.norm() * dt_s).exp(),
+            mass_kg: self.mass_kg * libm::exp(-mass_flow_s_m * u_w.norm() * dt_s),
         }
     }
 }
@@ -100,7 +100,7 @@ impl Trajectory {
                 .max(problem.thrust_min_n - u_m_s2 * nodes[j + 1].mass_kg);
             if problem.reserve.is_some() {
                 let left_s = node.t_s - nodes[j + 1].t_s;
-                let upright = problem.tilt_limit_rad(left_s).cos();
+                let upright = libm::cos(problem.tilt_limit_rad(left_s));
                 let over_m_s = norm - problem.thrust_max_n / nodes[j].mass_kg * step_s;
                 let tilted_m_s = upright * norm - iterate.w_w[j].z;
                 reserve_m_s += over_m_s.max(tilted_m_s).max(0.0);
@@ -149,6 +149,6 @@ pub(super) fn altitude_excess_m(problem: &Problem, r_w: &Vector3<f64>) -> f64 {
 pub(super) fn glide_slope_excess_m(problem: &Problem, r_w: &Vector3<f64>) -> f64 {
     problem.path.glide_slope_rad.map_or(f64::NEG_INFINITY, |angle_rad| {
         let to_target_w = r_w - problem.r_f_w;
-        to_target_w.xy().norm() - to_target_w.z * angle_rad.tan()
+        to_target_w.xy().norm() - to_target_w.z * libm::tan(angle_rad)
     })
 }

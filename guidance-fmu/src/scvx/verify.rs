@@ -75,7 +75,7 @@ fn repropagate(problem: &Problem, plan: &Plan) -> State {
         let steps = (span_s / STEP_MAX_S).ceil().max(1.0);
         let step_s = span_s / steps;
         let thrust_w =
-            |t_s: f64| u_w * (ends[0].mass_kg * (-plan.mass_flow_s_m * u_w.norm() * t_s).exp());
+            |t_s: f64| u_w * (ends[0].mass_kg * libm::exp(-plan.mass_flow_s_m * u_w.norm() * t_s));
         let rate = |t_s: f64, x: &State| -> State {
             let thrust_w: Vector3<f64> = thrust_w(t_s);
             let mut dx = State::zeros();
@@ -150,7 +150,7 @@ pub(super) fn accept(problem: &Problem, plan: &Plan) -> Result<(), PlanError> {
 fn out_of_reach(problem: &Problem, plan: &Plan) -> PlanError {
     let (miss_m, miss_m_s) = (plan.report.miss_m, plan.report.miss_m_s);
     let tilt_max_rad = problem.tilt_max_rad;
-    let floor_m_s2 = problem.thrust_min_n * tilt_max_rad.cos() / problem.mass_kg;
+    let floor_m_s2 = problem.thrust_min_n * libm::cos(tilt_max_rad) / problem.mass_kg;
     let net_up_m_s2 = floor_m_s2 - problem.gravity_m_s2;
     let thrusts_n = plan.nodes.iter().map(|node| plan.sample(node.t_s).thrust_n);
     let mean_n = thrusts_n.sum::<f64>() / plan.nodes.len() as f64;

@@ -65,7 +65,7 @@ impl Excess {
         self.rate_rad_s = self.rate_rad_s.max(node.rate_b.norm() - limits.rate_max_rad_s);
         if let Some(angle_rad) = limits.glide_slope_rad {
             let off_w = node.r_w - problem.r_f_w;
-            let outside_m = off_w.xy().norm() - off_w.z * angle_rad.tan();
+            let outside_m = off_w.xy().norm() - off_w.z * libm::tan(angle_rad);
             self.glide_slope_m = self.glide_slope_m.max(outside_m);
         }
     }
@@ -84,7 +84,7 @@ impl Excess {
             let out_n =
                 (u.thrust_n - actuators.thrust_max_n).max(actuators.thrust_min_n - u.thrust_n);
             self.thrust_n = self.thrust_n.max(out_n);
-            let gimbal_rad = u.gimbal_tan.norm().atan();
+            let gimbal_rad = libm::atan(u.gimbal_tan.norm());
             self.gimbal_rad = self.gimbal_rad.max(gimbal_rad - actuators.gimbal_max_rad);
         }
     }

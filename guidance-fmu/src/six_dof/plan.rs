@@ -177,6 +177,6 @@ impl SixDofNode {
     /// Angle of body z from the vertical, rad.
     pub fn tilt_rad(&self) -> f64 {
         // From the sine of the half angle: the cosine is blind near upright.
-        2.0 * self.attitude_wb.imag().xy().norm().min(1.0).asin()
+        2.0 * libm::asin(self.attitude_wb.imag().xy().norm().min(1.0))
     }
 }

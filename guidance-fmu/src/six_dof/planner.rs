@@ -128,7 +128,7 @@ fn translation(
     problem.validate()?;
     settings.validate()?;
     let (start, limits) = (&problem.start, &problem.limits);
-    let lean = start.attitude_wb.map_or(0.0, |q| 2.0 * q.imag().xy().norm().min(1.0).asin());
+    let lean = start.attitude_wb.map_or(0.0, |q| 2.0 * libm::asin(q.imag().xy().norm().min(1.0)));
     for (limit, excess) in [
         ("tilt", lean - limits.tilt_max_rad),
         ("body rate", start.rate_b.norm() - limits.rate_max_rad_s),

@@ -250,7 +250,7 @@ impl Subproblem<'_> {
                 let drawn_in = limits.tilt_max_rad - margin.tilt_rad;
                 (drawn_in.max(0.0), (limits.rate_max_rad_s - margin.rate_rad_s).max(0.0))
             };
-            let lean = (0.5 * tilt_rad).sin();
+            let lean = libm::sin(0.5 * tilt_rad);
             program.second_order([Affine::new([], lean), part(Q + 1), part(Q + 2)]);
             if node == 0 {
                 continue;
@@ -261,7 +261,7 @@ impl Subproblem<'_> {
                 let unit_m = self.scale.state[R];
                 let from_target =
                     |axis: usize| shifted(part(R + axis), -self.problem.r_f_w[axis] / unit_m);
-                let reach = scaled(from_target(2), angle_rad.tan());
+                let reach = scaled(from_target(2), libm::tan(angle_rad));
                 let reach = shifted(reach, -margin.glide_slope_m / unit_m);
                 program.second_order([reach, from_target(0), from_target(1)]);
             }

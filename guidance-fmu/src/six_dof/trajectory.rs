@@ -141,7 +141,7 @@ impl Scale {
         state.fixed_rows_mut::<3>(V).fill(delta_v_m_s);
         state.fixed_rows_mut::<4>(Q).fill(1.0);
         state.fixed_rows_mut::<3>(W).fill(problem.limits.rate_max_rad_s);
-        let mut control = Control::repeat(problem.actuators.gimbal_max_rad.tan());
+        let mut control = Control::repeat(libm::tan(problem.actuators.gimbal_max_rad));
         control[THRUST] = problem.actuators.thrust_max_n;
         let torque: SVector<f64, 3> =
             problem.actuators.torque_max_b.map(|max| if max > 0.0 { max } else { 1.0 });

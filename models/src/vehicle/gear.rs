@@ -218,7 +218,7 @@ fn is_convex_counter_clockwise(feet_b: &[Vector3<f64>]) -> bool {
         .map(|i| {
             let (a, b, c) = corner(i);
             let (into, out) = ((b - a).xy(), (c - b).xy());
-            into.perp(&out).atan2(into.dot(&out))
+            libm::atan2(into.perp(&out), into.dot(&out))
         })
         .sum();
     // One full turn, not two as in a star.

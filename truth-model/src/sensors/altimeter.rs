@@ -54,7 +54,7 @@ impl Instrument for Altimeter {
             return None;
         }
         // (T.80)
-        let sigma_m = self.spec.noise_m.hypot(self.spec.noise_relative * exact.range_m);
+        let sigma_m = libm::hypot(self.spec.noise_m, self.spec.noise_relative * exact.range_m);
         let noise_m = self.draws.normal("altimeter.noise", index) * sigma_m;
         let error_m = self.bias_m + self.scale * exact.range_m + noise_m;
         let cos_tilt = -beam_w(scene).z;

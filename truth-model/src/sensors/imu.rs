@@ -78,7 +78,7 @@ impl Triad {
 
     /// (T.78)
     fn next_drift(&self, drift: &Vector3<f64>, index: u64, period_s: f64) -> Vector3<f64> {
-        let kept = (-period_s / self.spec.drift_time_s.max(f64::MIN_POSITIVE)).exp();
+        let kept = libm::exp(-period_s / self.spec.drift_time_s.max(f64::MIN_POSITIVE));
         let new = self.spec.drift * (1.0 - kept * kept).sqrt();
         drift * kept + self.draws.normal3(self.drift_stream, index) * new
     }

@@ -45,8 +45,8 @@ impl Instrument for Velocimeter {
         let within =
             self.spec.range_m.contains(&range_m) && velocity_b.norm() <= self.spec.speed_max_m_s;
         // (T.81)
-        let sigma_b =
-            velocity_b.map(|speed| self.spec.noise_m_s.hypot(self.spec.noise_relative * speed));
+        let sigma_b = velocity_b
+            .map(|speed| libm::hypot(self.spec.noise_m_s, self.spec.noise_relative * speed));
         let noise_b = self.draws.normal3("velocimeter.noise", index).component_mul(&sigma_b);
         within.then(|| velocity_b + self.bias_b + self.scale.component_mul(&velocity_b) + noise_b)
     }

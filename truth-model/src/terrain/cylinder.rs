@@ -22,7 +22,7 @@ impl Ground {
         let discs = [cylinder.bottom_w, cylinder.top_w];
         let relief_m = discs.map(|c| self.disc_clearance_m(&c, &axis_w, cylinder.radius_m));
         let middle_w = cylinder.bottom_w + 0.5 * along_w;
-        let reach_m = ROCK_REACH_M + cylinder.radius_m.hypot(0.5 * length_m);
+        let reach_m = ROCK_REACH_M + libm::hypot(cylinder.radius_m, 0.5 * length_m);
         let rocks = self.rocks_near(&middle_w, reach_m);
         let rocks_m = rocks.map(|rock| cylinder.distance_m(&rock.centre_w) - rock.radius_m);
         rocks_m.fold(relief_m[0].min(relief_m[1]), f64::min)
@@ -62,7 +62,7 @@ impl Cylinder {
         if beyond_m < 0.0 && aside_m < 0.0 {
             beyond_m.max(aside_m)
         } else {
-            beyond_m.max(0.0).hypot(aside_m.max(0.0))
+            libm::hypot(beyond_m.max(0.0), aside_m.max(0.0))
         }
     }
 }

@@ -33,13 +33,13 @@ impl PowerLaw {
         let mut marks = stream("mark");
         let Self { extent_m, diameter_min_m, exponent, .. } = *self;
         let bodies_at_1m = PI * extent_m * extent_m * self.density_at_1m_m2;
-        let widest = self.diameter_max_m.powf(-exponent);
+        let widest = libm::pow(self.diameter_max_m, -exponent);
         let mut arrival = 0.0;
         stream("diameter").map_while(move |draw| {
             // 1 - draw lies in (0, 1]: its logarithm is finite.
-            arrival -= (1.0 - draw).ln();
-            let diameter_m = (widest + arrival / bodies_at_1m).powf(-exponent.recip());
-            let (sin, cos) = (TAU * azimuths.next()?).sin_cos();
+            arrival -= libm::log(1.0 - draw);
+            let diameter_m = libm::pow(widest + arrival / bodies_at_1m, -exponent.recip());
+            let (sin, cos) = libm::sincos(TAU * azimuths.next()?);
             // Uniform on the disc.
             let centre_m = Vector2::new(cos, sin) * (extent_m * radii.next()?.sqrt());
             let body = Body { diameter_m, centre_m, mark: marks.next()? };

@@ -13,6 +13,7 @@ mod rocks;
 use std::fmt;
 use std::sync::Arc;
 
+use lander_models::math::square;
 use lander_models::scenario::Terrain;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -148,7 +149,7 @@ impl Ground {
             let step_m = (next - place).norm();
             place = next;
             local = self.local(place.x, place.y);
-            let distance_m2 = (place - under).norm_squared() + (local.height_m - point_w.z).powi(2);
+            let distance_m2 = (place - under).norm_squared() + square(local.height_m - point_w.z);
             if distance_m2 < least_m2 {
                 (least_m2, best) = (distance_m2, (place, local));
             }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use lander_models::math::square;
 use lander_models::scenario::{RockLaw, Rocks};
 use nalgebra::Vector3;
 
@@ -46,7 +47,7 @@ impl RockField {
             RockLaw::Power { .. } => true,
             RockLaw::Exponential { abundance } => {
                 let beyond_m = body.diameter_m - of.diameter_min_m;
-                body.mark < (-RockLaw::decay_per_m(abundance) * beyond_m).exp()
+                body.mark < libm::exp(-RockLaw::decay_per_m(abundance) * beyond_m)
             }
         };
         let rocks: Vec<_> = law
@@ -82,7 +83,7 @@ impl RockField {
         let candidates = (!above).then(|| self.index.within(about));
         let rocks = candidates.into_iter().flatten().map(|item| &self.rocks[item]);
         rocks.filter(move |rock| {
-            (point_w - rock.centre_w).norm_squared() <= (reach_m + rock.radius_m).powi(2)
+            (point_w - rock.centre_w).norm_squared() <= square(reach_m + rock.radius_m)
         })
     }
 }
@@ -95,7 +96,7 @@ fn power_law(of: &Rocks) -> PowerLaw {
         RockLaw::Power { density_at_1m_m2, exponent } => (density_at_1m_m2, exponent),
         RockLaw::Exponential { abundance } => {
             let q_per_m = RockLaw::decay_per_m(abundance);
-            let most = (-q_per_m * of.diameter_min_m).exp();
+            let most = libm::exp(-q_per_m * of.diameter_min_m);
             (4.0 / PI * abundance * q_per_m * most, 1.0)
         }
     };

@@ -117,7 +117,7 @@ impl MapCase {
         for (index, value) in &self.columns {
             case[*index] = *value;
         }
-        let (sin, cos) = self.lean_azimuth_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.lean_azimuth_deg.to_radians());
         let lean = Vector3::new(-sin, cos, 0.0) * self.lean_deg.to_radians();
         let heading = Vector3::z() * self.heading_deg.to_radians();
         let attitude_wb =

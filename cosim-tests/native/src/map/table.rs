@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use lander_models::Outcome;
+use lander_models::math::square;
 use serde::Serialize;
 
 use super::refine::Cell;
@@ -45,7 +46,7 @@ impl Mapped<'_> {
     /// Each cell as the mean of its corners.
     pub fn summary(&self) -> CaseSummary {
         let cells = &self.refined.cells;
-        let area = |cell: &Cell| f64::from(cell.side).powi(2);
+        let area = |cell: &Cell| square(f64::from(cell.side));
         let whole: f64 = cells.iter().map(area).sum();
         let share = |is: &dyn Fn(&Touchdown) -> bool| {
             let of_cell = |cell: &Cell| {

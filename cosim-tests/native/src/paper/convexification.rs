@@ -187,7 +187,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
     let (mut parts, mut csv) = (String::new(), "engine,sideways_n,up_n,magnitude_n\n".to_owned());
     let arc = |radius: f64| -> Vec<[f64; 2]> {
         let angle = |n: i32| f64::from(n).to_radians();
-        (-90..=90).map(|n| [radius * angle(n).sin(), radius * angle(n).cos()]).collect()
+        (-90..=90).map(|n| [radius * libm::sin(angle(n)), radius * libm::cos(angle(n))]).collect()
     };
     for (radius, style) in [
         (floor, "stroke=\"#333\" stroke-width=\"1.5\""),
@@ -197,7 +197,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
         parts += &annulus.path(&arc(radius), style);
     }
     for tilt_deg in ["guidance_tilt_max", "tvc_tilt_max"] {
-        let (sin, cos) = inputs.printed.number(tilt_deg, "deg")?.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(inputs.printed.number(tilt_deg, "deg")?.to_radians());
         let reach = ceiling.min(3000.0 / sin);
         for side in [-1.0, 1.0] {
             let end = [side * reach * sin, reach * cos];

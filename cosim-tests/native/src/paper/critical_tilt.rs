@@ -11,7 +11,7 @@ use crate::svg::{Frame, picture, text};
 
 /// arccos(m g/ρ_min), deg; 0 where the floor does not lift the vehicle.
 pub fn critical_deg(mass_kg: f64, gravity_m_s2: f64, floor_n: f64) -> f64 {
-    (mass_kg * gravity_m_s2 / floor_n).min(1.0).acos().to_degrees()
+    libm::acos((mass_kg * gravity_m_s2 / floor_n).min(1.0)).to_degrees()
 }
 
 /// Resolution of the least tilt, deg.
@@ -51,7 +51,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let wide_deg = printed.number("tvc_tilt_max", "deg")?;
     let printed_deg = printed.number("critical_tilt", "deg")?;
     let [fired_n, _] = printed.row::<2>("hot_fire_thrust", "N")?;
-    let crossing_kg = floor_n * wide_deg.to_radians().cos() / gravity;
+    let crossing_kg = floor_n * libm::cos(wide_deg.to_radians()) / gravity;
     let hop = problem(Start::Hop, bug, printed)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for mass_kg in [wet_kg, crossing_kg, 220.0, 200.0, dry_kg + 12.0] {

@@ -17,8 +17,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let middle_s = printed.number("delta_v_specific_impulse", "s")?;
     let [low_s, high_s] = printed.row::<2>("specific_impulse_range", "s")?;
     let rows = [low_s, middle_s, high_s].map(|isp_s| {
-        let formula = isp_s * paper_g0 * (wet_kg / dry_kg).ln();
-        let kit = isp_s * G0_M_S2 * (bug.mass.wet_mass_kg() / bug.mass.dry.mass_kg).ln();
+        let formula = isp_s * paper_g0 * libm::log(wet_kg / dry_kg);
+        let kit = isp_s * G0_M_S2 * libm::log(bug.mass.wet_mass_kg() / bug.mass.dry.mass_kg);
         let is_printed =
             if isp_s == middle_s { cell(printed_m_s, 0) } else { "not printed".to_owned() };
         vec![
@@ -26,7 +26,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
             is_printed,
             cell(formula, 2),
             cell(kit, 2),
-            cell(kit / middle_s / G0_M_S2 / (wet_kg / dry_kg).ln() * 100.0 - 100.0, 1),
+            cell(kit / middle_s / G0_M_S2 / libm::log(wet_kg / dry_kg) * 100.0 - 100.0, 1),
         ]
     });
     let mut chapter = Chapter::new("ΔV: equation (1)");
@@ -52,8 +52,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         let plan = plan(&problem).map_err(|source| Error::Plan { what: start.name(), source })?;
         let used_kg = plan.propellant_kg();
         let delta_v =
-            problem.isp_s * G0_M_S2 * (problem.mass_kg / (problem.mass_kg - used_kg)).ln();
-        let budget = problem.isp_s * G0_M_S2 * (problem.mass_kg / problem.dry_mass_kg).ln();
+            problem.isp_s * G0_M_S2 * libm::log(problem.mass_kg / (problem.mass_kg - used_kg));
+        let budget = problem.isp_s * G0_M_S2 * libm::log(problem.mass_kg / problem.dry_mass_kg);
         spent.push(vec![
             start.name().to_owned(),
             cell(plan.duration_s(), 1),

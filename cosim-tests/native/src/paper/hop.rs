@@ -45,7 +45,7 @@ fn fly(bug: &Vehicle, tilt_deg: f64, schedule: &Schedule, layout: &Layout) -> Re
         if row[0] >= next_s {
             next_s = row[0] + DRAWN_S;
             let [x, y, z] = layout.vector(row, POSITION_W.name).unwrap_or_default();
-            path.push([f64::hypot(x, y) * x.signum(), z]);
+            path.push([libm::hypot(x, y) * x.signum(), z]);
         }
         last.clear();
         last.extend_from_slice(row);

@@ -40,7 +40,7 @@ pub fn mid_propellant_kg(printed: &Printed) -> Result<f64, ConfigError> {
     let (wet_kg, dry_kg) = (printed.number("wet_mass", "kg")?, printed.number("dry_mass", "kg")?);
     let isp_s = printed.number("delta_v_specific_impulse", "s")?;
     let burn_s = printed.number("mid_burn_time", "s")?;
-    Ok(wet_kg * (-burn_s / isp_s).exp() - dry_kg)
+    Ok(wet_kg * libm::exp(-burn_s / isp_s) - dry_kg)
 }
 
 /// # Errors

@@ -173,7 +173,7 @@ fn side_view(bug: &Vehicle) -> Figure {
         let style = format!("stroke=\"{colour}\" stroke-dasharray=\"6 4\"");
         parts += &styled_line(com, at(reach_m, 0.0), &style);
         let [x, y] = at(2.0, y);
-        let words = format!("{words}: {:.1}° wet", reach_m.atan2(wet.z).to_degrees());
+        let words = format!("{words}: {:.1}° wet", libm::atan2(reach_m, wet.z).to_degrees());
         parts +=
             &format!("<g fill=\"{colour}\">{}</g>\n", text(x, y, "start", 12, &words).trim_end());
     }

@@ -183,7 +183,7 @@ pub fn re_propagated(problem: &Problem, plan: &Plan, steps: u32) -> (f64, f64) {
             let from_s = f64::from(step) * step_s;
             let rate = |in_step_s: f64, state: &Point| {
                 let planned_kg = pair[0].mass_kg
-                    * (-plan.mass_flow_s_m * u_w.norm() * (from_s + in_step_s)).exp();
+                    * libm::exp(-plan.mass_flow_s_m * u_w.norm() * (from_s + in_step_s));
                 let thrust_w = u_w * planned_kg;
                 Point {
                     r_w: state.v_w,

@@ -7,8 +7,8 @@ use truth_model::stability::{Tipping, tip_state};
 /// `azimuth_rad`: the stability distance (T.20) is 0.
 pub fn towards_rad(feet_b: &[Vector3<f64>], com_b: Vector3<f64>, azimuth_rad: f64) -> f64 {
     let distance_m = |slope_rad: f64| {
-        let (sin, cos) = slope_rad.sin_cos();
-        let up_b = Vector3::new(-sin * azimuth_rad.cos(), -sin * azimuth_rad.sin(), cos);
+        let (sin, cos) = libm::sincos(slope_rad);
+        let up_b = Vector3::new(-sin * libm::cos(azimuth_rad), -sin * libm::sin(azimuth_rad), cos);
         let standing = Tipping {
             mass_kg: 1.0,
             com_b,
@@ -41,7 +41,7 @@ pub fn extremes_rad(feet_b: &[Vector3<f64>], com_b: Vector3<f64>) -> [f64; 2] {
 pub fn ring(pads: u32, diameter_m: f64) -> Vec<Vector3<f64>> {
     let pad = |n: u32| {
         let azimuth_rad = (f64::from(n) + 0.5) * std::f64::consts::TAU / f64::from(pads);
-        Vector3::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0) * (0.5 * diameter_m)
+        Vector3::new(libm::cos(azimuth_rad), libm::sin(azimuth_rad), 0.0) * (0.5 * diameter_m)
     };
     (0..pads).map(pad).collect()
 }

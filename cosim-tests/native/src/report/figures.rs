@@ -170,7 +170,7 @@ pub fn footprint(data: &Data) -> Option<Figure> {
     for sigmas in [1.0, 2.0, 3.0] {
         let ellipse: Vec<[f64; 2]> = (0..=72)
             .map(|step| {
-                let (sin, cos) = (f64::from(step) * std::f64::consts::TAU / 72.0).sin_cos();
+                let (sin, cos) = libm::sincos(f64::from(step) * std::f64::consts::TAU / 72.0);
                 [mean[0] + sigmas * a * cos, mean[1] + sigmas * (b * cos + c * sin)]
             })
             .collect();

@@ -56,7 +56,7 @@ pub fn page(study: &Study, found: &RareEvent) -> Page {
 /// Probability over the margin, subset simulation beside plain runs.
 fn levels(found: &RareEvent) -> Figure {
     let levels = &found.estimate.levels;
-    let exponent = |p: f64| p.max(1e-12).log10();
+    let exponent = |p: f64| libm::log10(p.max(1e-12));
     let last = levels.last().map_or(1.0, |level| level.probability);
     let widest = levels.first().map_or(1.0, |level| level.bound).max(0.01);
     let frame = Frame {

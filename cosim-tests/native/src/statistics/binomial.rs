@@ -1,6 +1,6 @@
 //! How sure a share of successes is.
 
-use statrs::function::beta::beta_reg;
+use super::beta::beta_reg;
 
 /// One-sided 95 % lower limit of the success probability after `k` successes in `n` trials.
 pub fn lower_limit(k: usize, n: usize) -> f64 {

@@ -2,7 +2,8 @@
 
 use lander_models::random;
 use serde::Serialize;
-use statrs::function::beta::beta_reg;
+
+use super::beta::beta_reg;
 
 /// An estimate with two-sided 95 % bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

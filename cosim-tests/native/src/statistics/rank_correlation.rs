@@ -24,8 +24,8 @@ pub fn rank_correlation(x: &[f64], y: &[f64]) -> Option<Bounded> {
         return None;
     }
     // A perfect correlation has no bounds but itself.
-    let (z, deviation) = (value.atanh(), ((1.0 + value * value / 2.0) / (n - 3.0)).sqrt());
-    let bound = |sign: f64| (z + sign * 1.959_963_985 * deviation).tanh();
+    let (z, deviation) = (libm::atanh(value), ((1.0 + value * value / 2.0) / (n - 3.0)).sqrt());
+    let bound = |sign: f64| libm::tanh(z + sign * 1.959_963_985 * deviation);
     Some(Bounded { value, low: bound(-1.0), high: bound(1.0) })
 }
 

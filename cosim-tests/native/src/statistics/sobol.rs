@@ -6,6 +6,7 @@
 use serde::Serialize;
 
 use super::quantile::{Bounded, bootstrap};
+use lander_models::math::square;
 
 /// Of one input.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -56,8 +57,8 @@ impl Design {
 
     fn total(&self, mixed: &[f64], rows: &[usize]) -> f64 {
         let (_, variance) = self.moments(rows);
-        let square = |row: &usize| (self.a[*row] - mixed[*row]).powi(2);
-        rows.iter().map(square).sum::<f64>() / (2 * rows.len()) as f64 / variance
+        let apart = |row: &usize| square(self.a[*row] - mixed[*row]);
+        rows.iter().map(apart).sum::<f64>() / (2 * rows.len()) as f64 / variance
     }
 
     /// Mean and variance over A and B.
@@ -65,7 +66,7 @@ impl Design {
         let values = || rows.iter().flat_map(|row| [self.a[*row], self.b[*row]]);
         let n = 2.0 * rows.len() as f64;
         let mean = values().sum::<f64>() / n;
-        (mean, values().map(|value| (value - mean).powi(2)).sum::<f64>() / n)
+        (mean, values().map(|value| square(value - mean)).sum::<f64>() / n)
     }
 }
 

@@ -82,7 +82,7 @@ pub fn subset_simulation<E: Send>(
     let mut population: Vec<Sample> = first.into_iter().collect::<Result<_, E>>()?;
     let mut levels: Vec<Level> = Vec::new();
     let (mut runs, mut probability, mut square, mut accepted) = (samples, 1.0, 0.0, 1.0);
-    let mut step_size = (1.0 - settings.correlation.powi(2)).sqrt();
+    let mut step_size = (1.0 - settings.correlation * settings.correlation).sqrt();
     loop {
         let states = if levels.is_empty() { 1 } else { chain };
         let mut order: Vec<usize> = (0..samples).collect();
@@ -97,8 +97,8 @@ pub fn subset_simulation<E: Send>(
         levels.push(Level { bound, share, probability, accepted, deviation });
         if bound == 0.0 || levels.len() == settings.levels_max {
             let deviation = square.sqrt();
-            let spread = 1.959_963_985 * square.ln_1p().sqrt();
-            let (low, high) = (probability * (-spread).exp(), probability * spread.exp());
+            let spread = 1.959_963_985 * libm::log1p(square).sqrt();
+            let (low, high) = (probability * libm::exp(-spread), probability * libm::exp(spread));
             let reached = bound == 0.0 && share > 0.0;
             return Ok(Estimate { probability, deviation, low, high, runs, levels, reached });
         }
@@ -160,7 +160,7 @@ mod tests {
     use claims::{Bound, Claim};
 
     use super::*;
-    use crate::study::distribution::share_below;
+    use crate::statistics::normal::share_below;
 
     const SETTINGS: Settings =
         Settings { seed: 1, samples: 1000, chain: 10, correlation: 0.8, levels_max: 12 };

@@ -4,7 +4,8 @@
 //! searches in standard normal space share this one place.
 
 use lander_models::quantity::{ConfigError, Limit, Section};
-use statrs::function::erf::{erfc, erfc_inv};
+
+use crate::statistics::normal::{self, share_below};
 
 /// What a parameter can be set to.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +149,7 @@ impl Distribution {
                 let z = standard_normal(from + u * (to - from));
                 (mean + deviation * z).clamp(*low, *high)
             }
-            Shape::LogNormal { median, spread } => median * (spread * standard_normal(u)).exp(),
+            Shape::LogNormal { median, spread } => median * libm::exp(spread * standard_normal(u)),
             Shape::Triangular { low, mode, high } => {
                 let (width, rise) = (high - low, mode - low);
                 if u * width < rise {
@@ -256,15 +257,10 @@ fn read_normal(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
     Ok((Shape::Normal { mean, deviation, low, high }, Some(unit)))
 }
 
-/// Share of a standard normal below `z`.
-pub fn share_below(z: f64) -> f64 {
-    0.5 * erfc(-z / std::f64::consts::SQRT_2)
-}
-
 /// The standard normal number below which a share `u` lies; finite for every draw.
 pub fn standard_normal(u: f64) -> f64 {
     // Half the spacing of the draws keeps 0 out.
-    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u.clamp(2.0_f64.powi(-54), 1.0 - 2.0_f64.powi(-53)))
+    normal::quantile(u.clamp(0.25 * f64::EPSILON, 1.0 - 0.5 * f64::EPSILON))
 }
 
 #[cfg(test)]

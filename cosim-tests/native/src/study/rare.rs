@@ -3,13 +3,13 @@
 use std::fmt;
 
 use lander_models::Outcome;
+use lander_models::math::square;
 use lander_models::quantity::{ConfigError, Limit, Section};
 use serde::Serialize;
 
 use super::StudyError;
 use super::campaign::Campaign;
 use super::data::Data;
-use super::distribution::share_below;
 use super::file::{Kind, Sampling, Study};
 use super::row::{Columns, Row};
 use super::shard::VERSION;
@@ -17,6 +17,7 @@ use super::summary::short;
 use crate::landing::Error;
 use crate::progress::Count;
 use crate::statistics::binomial;
+use crate::statistics::normal::share_below;
 use crate::statistics::subset::{Estimate, Settings, subset_simulation};
 
 /// The result whose fall leads to a tip-over: the least distance of the centre of mass inside the planes
@@ -106,7 +107,7 @@ pub fn estimate(campaign: &Campaign, threads: usize) -> Result<RareEvent, Error>
         seed: study.seed,
         event: Outcome::Tipped.name(),
         margin: MARGIN,
-        plain_runs_for_the_same: (1.0 - probability) / (probability * deviation.powi(2)),
+        plain_runs_for_the_same: (1.0 - probability) / (probability * square(deviation)),
         plain: plain(campaign, &estimate)?,
         estimate,
     })

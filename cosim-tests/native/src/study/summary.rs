@@ -272,6 +272,6 @@ impl fmt::Display for Summary {
 
 /// A number to four digits.
 pub fn short(value: f64) -> String {
-    let digits = 3 - value.abs().max(1e-3).log10().floor() as i32;
+    let digits = 3 - libm::log10(value.abs().max(1e-3)).floor() as i32;
     format!("{value:.*}", digits.clamp(0, 4) as usize)
 }

@@ -65,13 +65,13 @@ pub(super) fn read_craters(s: &Section) -> Result<Craters, ConfigError> {
         extent_m,
         diameter_min_m,
         diameter_max_m,
-        density_at_1m_m2: density(s, 10_f64.powf(-1.1))?,
+        density_at_1m_m2: density(s, libm::pow(10.0, -1.1))?,
         exponent: exponent(s, 2.0)?,
         depth_ratio: s.number_or("depth_ratio", "1", Limit::Within(0.0, 0.25), 0.12)?,
         rim_ratio: s.number_or("rim_ratio", "1", Limit::Within(0.0, 0.5), 0.036 / 0.196)?,
         freshness_min: s.number_or("freshness_min", "1", Limit::Within(0.0, 1.0), 0.25)?,
     };
-    let per_m2 = craters.density_at_1m_m2 * diameter_min_m.powf(-craters.exponent);
+    let per_m2 = craters.density_at_1m_m2 * libm::pow(diameter_min_m, -craters.exponent);
     bounded(s, extent_m, per_m2)?;
     Ok(craters)
 }
@@ -81,13 +81,13 @@ pub(super) fn read_rocks(s: &Section) -> Result<Rocks, ConfigError> {
     let (law, per_m2) = if s.choice("law", &["exponential", "power"])? == "power" {
         // VIPER-MSE-SPEC-001 (2021), as NASA's synthterrain quotes it.
         let (density_at_1m_m2, exponent) = (density(s, 0.0003)?, exponent(s, 2.482)?);
-        let per_m2 = density_at_1m_m2 * diameter_min_m.powf(-exponent);
+        let per_m2 = density_at_1m_m2 * libm::pow(diameter_min_m, -exponent);
         (RockLaw::Power { density_at_1m_m2, exponent }, per_m2)
     } else {
         let abundance = s.number("abundance", "1", Limit::Within(0.001, 0.4))?;
         let q_per_m = RockLaw::decay_per_m(abundance);
         // The bound from which the field is thinned.
-        let per_m2 = 4.0 / PI * abundance * q_per_m * (-q_per_m * diameter_min_m).exp();
+        let per_m2 = 4.0 / PI * abundance * q_per_m * libm::exp(-q_per_m * diameter_min_m);
         (RockLaw::Exponential { abundance }, per_m2 / diameter_min_m)
     };
     bounded(s, extent_m, per_m2)?;

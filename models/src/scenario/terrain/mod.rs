@@ -33,8 +33,8 @@ pub struct Terrain {
 impl Terrain {
     /// Unit normal of the plane, world frame.
     pub fn normal_w(&self) -> Vector3<f64> {
-        let (sin, cos) = self.slope_rad.sin_cos();
-        Vector3::new(sin * self.downhill_rad.cos(), sin * self.downhill_rad.sin(), cos)
+        let (sin, cos) = libm::sincos(self.slope_rad);
+        Vector3::new(sin * libm::cos(self.downhill_rad), sin * libm::sin(self.downhill_rad), cos)
     }
 }
 

@@ -20,12 +20,12 @@ pub struct Soil {
 impl Soil {
     /// Load that presses a flat disc to a depth, N (T.48).
     pub fn pad_load_n(&self, radius_m: f64, sinkage_m: f64) -> f64 {
-        self.disc_modulus(radius_m) * sinkage_m.max(0.0).powf(self.exponent)
+        self.disc_modulus(radius_m) * libm::pow(sinkage_m.max(0.0), self.exponent)
     }
 
     /// Depth to which a load presses a flat disc, m: the inverse of `pad_load_n`.
     pub fn pad_sinkage_m(&self, radius_m: f64, load_n: f64) -> f64 {
-        (load_n.max(0.0) / self.disc_modulus(radius_m)).powf(self.exponent.recip())
+        libm::pow(load_n.max(0.0) / self.disc_modulus(radius_m), self.exponent.recip())
     }
 
     fn disc_modulus(&self, radius_m: f64) -> f64 {

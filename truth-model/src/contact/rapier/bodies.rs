@@ -3,18 +3,18 @@
 use lander_models::frames::{Attitude, steiner};
 use lander_models::mass::MassProperties;
 use lander_models::vehicle::{Gear, Lateral, Leg, Slosh, Vehicle};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rapier3d_f64::dynamics::{
     CoefficientCombineRule, GenericJointBuilder, ImpulseJointHandle, JointAxesMask, JointAxis,
     MassProperties as RapierMass, MotorModel, RigidBody, RigidBodyBuilder, RigidBodyHandle,
     SphericalJointBuilder,
 };
-use rapier3d_f64::geometry::{ColliderBuilder, ColliderHandle};
-use rapier3d_f64::glamx::{DMat3, DVec3};
+use rapier3d_f64::geometry::{ColliderBuilder, ColliderHandle, SharedShape};
+use rapier3d_f64::glamx::DVec3;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use serde::{Deserialize, Serialize};
 
-use super::convert::{pose, to_glam};
+use super::convert::{pose, rotation_to_glam, to_glam};
 use super::ground::lander_groups;
 use crate::flight::Motion;
 use crate::gear::LegState;
@@ -47,10 +47,26 @@ pub fn hull_mass(gear: &Gear, mass: &MassProperties) -> (RapierMass, Vector3<f64
         inertia_b -= steiner(&(centre_b - mass.com_b)) * foot_kg
             + Matrix3::identity() * (foot_kg * FOOT_GYRATION_M * FOOT_GYRATION_M);
     }
-    let columns = inertia_b.as_slice().try_into().unwrap_or([0.0; 9]);
-    let properties =
-        RapierMass::with_inertia_matrix(to_glam(&com_b), hull_kg, DMat3::from_cols_array(&columns));
+    let (moments, axes_b) = principal(inertia_b);
+    let frame = rotation_to_glam(&axes_b);
+    let properties = RapierMass::with_principal_inertia_frame(
+        to_glam(&com_b),
+        hull_kg,
+        to_glam(&moments),
+        frame,
+    );
     (properties, com_b)
+}
+
+/// Principal moments and the frame of their axes. Rapier's own decomposition takes the host's `acos`
+/// and `cos`, whose last bit is not the same everywhere.
+fn principal(inertia_b: Matrix3<f64>) -> (Vector3<f64>, Attitude) {
+    let SymmetricEigen { eigenvalues, eigenvectors } = inertia_b.symmetric_eigen();
+    // Eigenvectors have no sign: the one that makes a rotation of them.
+    let axes_b = eigenvectors * eigenvectors.determinant().signum();
+    // A moment below zero is rounding, and Rapier takes zero for "does not turn".
+    let moments = eigenvalues.map(|moment| moment.max(0.0));
+    (moments, Attitude::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes_b)))
 }
 
 /// `mass` is that of the vehicle less bobs.
@@ -84,8 +100,10 @@ pub fn insert_structure(
         // Rapier's cylinder stands along y.
         let upright = Attitude::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
         let centre_b = Vector3::z() * (0.5 * (bottom_m + top_m));
-        ColliderBuilder::cylinder(0.5 * (top_m - bottom_m), radius_m)
-            .position(pose(&centre_b, &upright))
+        let shape = SharedShape::cylinder(0.5 * (top_m - bottom_m), radius_m);
+        // Within a compound at the body's origin: a collider off it makes Rapier add up inertias, which
+        // ends in its own decomposition.
+        ColliderBuilder::compound(vec![(pose(&centre_b, &upright), shape)])
             .density(0.0)
             .friction(friction)
             .build()

@@ -6,8 +6,12 @@ use rapier3d_f64::glamx::{DQuat, DVec3};
 use rapier3d_f64::math::Pose;
 
 pub fn pose(position: &Vector3<f64>, rotation: &Attitude) -> Pose {
+    Pose::from_parts(to_glam(position), rotation_to_glam(rotation))
+}
+
+pub fn rotation_to_glam(rotation: &Attitude) -> DQuat {
     let q = rotation.quaternion();
-    Pose::from_parts(to_glam(position), DQuat::from_xyzw(q.i, q.j, q.k, q.w))
+    DQuat::from_xyzw(q.i, q.j, q.k, q.w)
 }
 
 pub fn to_glam(v: &Vector3<f64>) -> DVec3 {

@@ -9,6 +9,7 @@ mod soil;
 mod structure;
 
 use lander_models::mass::MassProperties;
+use lander_models::math::square;
 use lander_models::signals::FOOT_SLOTS;
 use lander_models::time::TICK_S;
 use lander_models::vehicle::{Gear, Lateral};
@@ -136,7 +137,7 @@ fn steps(gear: &Gear, legs: &[LegState]) -> u32 {
 impl StrutContact {
     /// Energy that the grips hold along the ground and may give back, J.
     pub fn grip_energy_j(&self) -> f64 {
-        let slips_m2 = self.grips.iter().map(|grip| grip.slip_m().powi(2));
+        let slips_m2 = self.grips.iter().map(|grip| square(grip.slip_m()));
         0.5 * self.grip_n_m * slips_m2.sum::<f64>()
     }
 

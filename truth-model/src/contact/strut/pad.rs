@@ -260,7 +260,7 @@ impl<'a> Pad<'a> {
             grip.slip_w = None;
             // (T.35) Off the ground the damper lets the strut spring back to its crushed length.
             let decay = if strut.damping_n_s_m > 0.0 {
-                (-step_s * strut.stiffness_n_m / strut.damping_n_s_m).exp()
+                libm::exp(-step_s * strut.stiffness_n_m / strut.damping_n_s_m)
             } else {
                 0.0
             };
