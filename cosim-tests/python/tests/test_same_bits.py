@@ -1,6 +1,10 @@
 """The native master and FMPy execute one schedule on one numeric code: equal to the last bit."""
 
 import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -56,3 +60,27 @@ def test_a_stop_time_within_a_communication_step_ends_both_with_that_step(kit, t
 
 def test_another_scenario_has_another_digest(landing, tmp_path):
     assert native("slope-10", tmp_path)["digest"] != landing.results["digest"]
+
+
+@pytest.fixture(scope="module")
+def wrong_libm(tmp_path_factory) -> dict[str, str]:
+    """The environment of a program whose sin, exp, pow and so on err by 4.4e-16 of the result."""
+    library = tmp_path_factory.mktemp("wrong") / "wrong_libm.so"
+    source = Path(__file__).with_name("wrong_libm.c")
+    command = ["cc", "-O1", "-fno-builtin", "-shared", "-fPIC", "-o", library, source, "-ldl"]
+    subprocess.run(command, check=True)
+    environment = os.environ | {"LD_PRELOAD": str(library)}
+    # It is in force: Python has the host's sine.
+    sine = [sys.executable, "-c", "import math; print(repr(math.sin(1.0)))"]
+    outputs = [subprocess.check_output(sine, env=env) for env in (None, environment)]
+    assert outputs[0] != outputs[1]
+    return environment
+
+
+@pytest.mark.parametrize(
+    "name", ["landing", "landing-sensors", "crater-field", "hills", "tip-over", "apollo-11"]
+)
+def test_no_bit_comes_from_the_host_s_c_library(name, wrong_libm, tmp_path):
+    command = [LANDER, "run", SCENARIOS / f"{name}.toml", "--json", "--out", tmp_path]
+    by_wrong = subprocess.check_output(command, env=wrong_libm)
+    assert json.loads(by_wrong)["digest"] == native(name, tmp_path)["digest"]
