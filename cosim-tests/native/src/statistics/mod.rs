@@ -1,6 +1,7 @@
 //! What a sample says about the distribution it is from, and how surely.
 
 pub mod binomial;
+pub mod paired;
 pub mod quantile;
 pub mod rank_correlation;
 pub mod sobol;
