@@ -116,6 +116,9 @@ pub fn styled_line(from: [f64; 2], to: [f64; 2], style: &str) -> String {
 
 /// `anchor` is `start`, `middle` or `end`.
 pub fn text(x: f64, y: f64, anchor: &str, size: u32, words: &str) -> String {
+    if words.is_empty() {
+        return String::new();
+    }
     let words = escaped(words);
     format!(
         "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{size}\">{words}</text>\n"

@@ -2,7 +2,7 @@
 
 use super::design_figures as figures;
 use super::{Page, Table, campaign};
-use crate::study::designs::{DesignSummary, Difference, OfDesign};
+use crate::study::designs::{DesignSummary, Difference, OfDesign, p_words};
 use crate::study::distribution::Value;
 use crate::study::summary::short;
 use crate::study::{Kind, Study};
@@ -34,8 +34,9 @@ pub fn page(study: &Study, summary: &DesignSummary) -> Page {
         page.heading("Criteria that simulate nothing");
         page.paragraph(
             "Each draw was also judged by the static tip angle over an edge (T.16), which knows no velocity, and by the speed \
-             towards an edge at which held pads tip a rigid vehicle (T.24), an energy criterion. Pads that slide and legs that \
-             crush take up energy, so T.24 calls tip-overs that do not happen.",
+             towards an edge at which held pads tip a rigid vehicle that stands on the slope (T.24), an energy criterion. Pads \
+             that slide and legs that crush take up energy: T.24 calls tip-overs that do not happen. It knows no lean, no rate \
+             and no leg that touches first, so it misses others.",
         );
         page.filed_table(criteria(study, summary));
     }
@@ -46,8 +47,8 @@ pub fn page(study: &Study, summary: &DesignSummary) -> Page {
          for paired shares, 95 % each, not of all designs at once; p: McNemar's exact test. Quantiles by rank with bootstrap \
          bounds; their difference is the median of the differences draw by draw.",
     );
-    page.filed_table(outcomes(study, summary));
-    page.filed_table(results(study, summary));
+    page.folded_table("Outcomes of every design", outcomes(study, summary));
+    page.folded_table("Margins and loads of every design", results(study, summary));
     page.heading("Again");
     page.paragraph(
         "The same bytes come from the same study file, scenario, vehicle and build, on any number of threads:",
@@ -110,7 +111,7 @@ fn steps(page: &mut Page, study: &Study, summary: &DesignSummary) {
                 format!("{:.2}", 100.0 * tipped.share.share),
                 format!("{value} ({low} to {high})"),
                 format!("{} / {}", pairs.only_second, pairs.only_first),
-                p(p_value),
+                p_words(p_value),
             ],
         ));
     }
@@ -125,10 +126,6 @@ fn steps(page: &mut Page, study: &Study, summary: &DesignSummary) {
         header: ["change", "tipped, %", "difference", "draws saved / lost", "p"].map(str::to_owned).to_vec(),
         rows,
     });
-}
-
-fn p(value: f64) -> String {
-    if value < 1e-4 { format!("{value:.0e}") } else { short(value) }
 }
 
 fn header(study: &Study, more: &[&str]) -> Vec<String> {
@@ -152,7 +149,7 @@ fn outcomes(study: &Study, summary: &DesignSummary) -> Table {
                 None => more.extend(["", "", "", ""].map(str::to_owned)),
                 Some(Difference { bounded: b, p_value, .. }) => {
                     more.extend([b.value, b.low, b.high].map(percent));
-                    more.push(p(p_value));
+                    more.push(p_words(p_value));
                 }
             }
             rows.push(cells(design, more));

@@ -7,7 +7,6 @@ use crate::study::Study;
 use crate::study::axis::Axis;
 use crate::study::designs::{DesignSummary, OfDesign};
 use crate::study::distribution::Value;
-use crate::study::summary::short;
 use crate::svg::{Frame, line, picture, text};
 
 /// Results that a report shows, with the quantile that is judged and its words.
@@ -41,7 +40,7 @@ impl Scale {
         match self {
             Self::Share => format!("{:.1}", 100.0 * value),
             Self::Points => format!("{:+.1}", 100.0 * value),
-            Self::Quantity => short(value),
+            Self::Quantity => three_digits(value),
         }
     }
 
@@ -49,6 +48,11 @@ impl Scale {
     fn factor(self) -> f64 {
         if self == Self::Quantity { 1.0 } else { 100.0 }
     }
+}
+
+fn three_digits(value: f64) -> String {
+    let digits = 2 - value.abs().max(1e-3).log10().floor() as i32;
+    format!("{value:.*}", digits.clamp(0, 3) as usize)
 }
 
 /// A number over the designs, drawn as a panel of a heat map or as a curve.
@@ -85,14 +89,15 @@ pub fn outcomes(study: &Study, summary: &DesignSummary) -> Vec<Figure> {
         layers.push(layer("called by T.24, held pads, %", "#7a4b94", &captured, Scale::Share));
         layers.push(layer("called by the static angle, %", "#444444", &fixed, Scale::Share));
     }
-    let mut figures = vec![figure(
-        study,
-        summary,
-        "tip-over",
-        "Probability of a tip-over with 95 % bounds, the difference to the baseline (framed) over the same draws, where grey \
-         is not told from none, and the share of the draws that each criterion calls a tip-over.",
-        &layers,
-    )];
+    let baseline = match study.axes.len() {
+        2 => "(framed) over the same draws, where grey is not told from none",
+        _ => "(dashed) over the same draws",
+    };
+    let caption = format!(
+        "Probability of a tip-over with 95 % bounds, the difference to the baseline {baseline}, and the share of the draws \
+         that each criterion calls a tip-over."
+    );
+    let mut figures = vec![figure(study, summary, "tip-over", &caption, &layers)];
     let names: Vec<&str> = summary.designs.first().map_or(Vec::new(), |design| {
         design.outcomes.iter().map(|outcome| outcome.share.outcome.as_str()).collect()
     });
@@ -286,8 +291,11 @@ fn curves(x: &Axis, summary: &DesignSummary, layers: &[Layer]) -> String {
     let pad = 0.06 * (ends[1] - ends[0]);
     let mut parts = String::new();
     for (index, layer) in layers.iter().enumerate() {
+        // The baseline does not differ from itself.
+        let none =
+            (layer.scale == Scale::Points).then_some(Bounded { value: 0.0, low: 0.0, high: 0.0 });
         let numbers: Vec<(f64, Bounded)> = (at.iter().zip(&summary.designs))
-            .filter_map(|(at, design)| Some((*at, (layer.number)(design)?)))
+            .filter_map(|(at, design)| Some((*at, (layer.number)(design).or(none)?)))
             .collect();
         let scale = layer.scale.factor();
         let shown = numbers.iter().flat_map(|(_, b)| [b.value, b.low, b.high]);

@@ -133,6 +133,13 @@ impl Page {
         self.body += "</table>\n";
     }
 
+    /// A table with its own file, behind a click.
+    pub fn folded_table(&mut self, title: &str, table: Table) {
+        self.body += &format!("<details><summary>{}</summary>\n", escaped(title));
+        self.filed_table(table);
+        self.body += "</details>\n";
+    }
+
     /// A table with its own file.
     pub fn filed_table(&mut self, table: Table) {
         let header: Vec<&str> = table.header.iter().map(String::as_str).collect();

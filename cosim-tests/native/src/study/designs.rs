@@ -12,7 +12,7 @@ use super::data::Data;
 use super::distribution::Value;
 use super::file::{Kind, Study};
 use super::shard::{BUILD, VERSION};
-use super::summary::{Quantiles, RESULTS, Share, outcome_names, short};
+use super::summary::{Quantiles, RESULTS, Share, outcome_names};
 use crate::map::criterion;
 use crate::statistics::paired::Pairs;
 use crate::statistics::quantile::{Bounded, quantile};
@@ -152,6 +152,11 @@ impl OfDesign {
     }
 }
 
+/// A probability of an accident to a few digits.
+pub fn p_words(p_value: f64) -> String {
+    if p_value < 1e-3 { format!("{p_value:.0e}") } else { format!("{p_value:.3}") }
+}
+
 fn of_outcome(name: &str, own: &Data, baseline: Option<&Data>) -> OfOutcome {
     let count = own.outcomes.iter().filter(|outcome| *outcome == name).count();
     let difference = baseline.map(|baseline| {
@@ -238,7 +243,7 @@ impl fmt::Display for DesignSummary {
                 Some(Difference { bounded: Bounded { value, low, high }, p_value, .. }) => {
                     let [value, low, high] =
                         [value, low, high].map(|d| format!("{:+.1}", 100.0 * d));
-                    format!("{value} ({low} to {high}), p {}", short(p_value))
+                    format!("{value} ({low} to {high}), p {}", p_words(p_value))
                 }
             };
             let landed = design.outcome(Outcome::Landed.name()).map_or(0.0, |o| o.share.share);

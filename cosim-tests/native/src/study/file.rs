@@ -13,6 +13,7 @@ use super::axis::{Axis, Designs};
 use super::failures::Failures;
 use super::parameter::{Parameter, case_unit};
 use super::rare;
+use super::run::Draw;
 use super::shard::{BUILD, VERSION, origin};
 use crate::landing::{hexadecimal, names_a_file};
 use crate::map::file::Map;
@@ -197,23 +198,30 @@ impl Study {
         let vehicle = Vehicle::of(&self.vehicle_file, self.vehicle.clone())?;
         Scenario::of(&self.scenario_file, self.scenario.clone(), &vehicle)?;
         self.realise(&[]).map_err(|refused| refused.at(self, "before any draw"))?;
+        // What is constant is so in every run, so that constants may need each other.
+        let is_constant = |p: &&Parameter| p.distribution.is_constant();
+        let constants: Vec<Draw> =
+            self.parameters.iter().filter(is_constant).map(in_the_middle).collect();
+        let before = || "before the first run".to_owned();
         let designs = self.designs();
         for design in 0..designs.count() {
-            let draws = designs.draws(design);
-            self.realise(&draws)
-                .map_err(|r| r.at(self, format!("design {}", designs.name(design))))?;
+            let place = match self.axes.is_empty() {
+                true => before(),
+                false => format!("design {}", designs.name(design)),
+            };
+            let draws = [designs.draws(design), constants.clone()].concat();
+            self.realise(&draws).map_err(|refused| refused.at(self, place))?;
         }
-        let alone = self.parameters.iter().map(std::slice::from_ref);
+        let drawn = self.parameters.iter().filter(|p| !is_constant(p));
+        let alone = drawn.map(std::slice::from_ref);
         let modes = self.failures.modes.iter().map(|mode| mode.parameters.as_slice());
         for together in alone.chain(modes) {
-            let middle: Vec<_> =
-                together.iter().map(|p| (p, p.distribution.quantile(0.5))).collect();
+            let middle: Vec<Draw> = together.iter().map(in_the_middle).collect();
             for (index, parameter) in together.iter().enumerate() {
                 for extreme in parameter.distribution.extremes() {
-                    let mut draws = middle.clone();
-                    draws[index].1 = extreme;
-                    self.realise(&draws)
-                        .map_err(|refused| refused.at(self, "before the first run"))?;
+                    let mut draws = [constants.clone(), middle.clone()].concat();
+                    draws[constants.len() + index].1 = extreme;
+                    self.realise(&draws).map_err(|refused| refused.at(self, before()))?;
                 }
             }
         }
@@ -270,6 +278,11 @@ impl Study {
         }
         Ok(hexadecimal(&digest.finalize()))
     }
+}
+
+/// Half the draws are below.
+fn in_the_middle(parameter: &Parameter) -> Draw<'_> {
+    (parameter, parameter.distribution.quantile(0.5))
 }
 
 fn unreadable(file: &Path, error: &std::io::Error) -> ConfigError {

@@ -14,7 +14,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::{Type, TypePtr};
+use parquet::schema::types::{ColumnDescPtr, Type, TypePtr};
 
 use super::StudyError;
 use super::campaign::Campaign;
@@ -98,7 +98,6 @@ fn refused(file: &Path, error: &ParquetError) -> StudyError {
 pub struct Reader {
     file: PathBuf,
     reader: SerializedFileReader<File>,
-    names: Vec<String>,
 }
 
 impl Reader {
@@ -125,12 +124,10 @@ impl Reader {
         if found != expected {
             return Err(StudyError::Foreign { file, found, expected });
         }
-        let columns = metadata.schema_descr().columns().iter();
-        let names = columns.map(|column| column.name().to_owned()).collect();
-        Ok(Some(Self { file, reader, names }))
+        Ok(Some(Self { file, reader }))
     }
 
-    /// A column of numbers, NaN where it is empty; `None` if there is none of that name.
+    /// A column of numbers, NaN where it is empty; `None` if there is none of that name that has numbers.
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, StudyError> {
         self.column::<DoubleType, _>(name, |cell| cell.map_or(f64::NAN, |number| *number))
     }
@@ -151,9 +148,11 @@ impl Reader {
         name: &str,
         mut value: impl FnMut(Option<&T::T>) -> V,
     ) -> Result<Option<Vec<V>>, StudyError> {
-        let Some(index) = self.names.iter().position(|known| known == name) else {
-            return Ok(None);
-        };
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        let of_type = |column: &ColumnDescPtr| column.physical_type() == T::get_physical_type();
+        let mut columns = schema.columns().iter();
+        let found = columns.position(|column| column.name() == name && of_type(column));
+        let Some(index) = found else { return Ok(None) };
         let mut values = Vec::with_capacity(self.rows());
         let mut read = || {
             for group in 0..self.reader.num_row_groups() {
