@@ -160,7 +160,17 @@ fn outcomes(study: &Study, summary: &DesignSummary) -> Table {
         caption: format!("Of {} runs each, shares and differences in per cent.", summary.runs_each),
         header: header(
             study,
-            &["outcome", "runs", "share", "from", "to", "difference", "from", "to", "p"],
+            &[
+                "outcome",
+                "runs",
+                "share",
+                "share from",
+                "share to",
+                "difference",
+                "difference from",
+                "difference to",
+                "p",
+            ],
         ),
         rows,
     }
@@ -210,7 +220,15 @@ fn criteria(study: &Study, summary: &DesignSummary) -> Table {
                 .to_owned(),
         header: header(
             study,
-            &["tipped", "static: called", "missed", "false", "T.24: called", "missed", "false"],
+            &[
+                "tipped",
+                "static: called",
+                "static: missed",
+                "static: false",
+                "T.24: called",
+                "T.24: missed",
+                "T.24: false",
+            ],
         ),
         rows,
     }

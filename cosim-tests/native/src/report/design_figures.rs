@@ -3,10 +3,10 @@
 use super::Figure;
 use super::figures::colour_of;
 use crate::statistics::quantile::Bounded;
-use crate::study::Study;
 use crate::study::axis::Axis;
 use crate::study::designs::{DesignSummary, OfDesign};
 use crate::study::distribution::Value;
+use crate::study::{Kind, Study};
 use crate::svg::{Frame, line, picture, text};
 
 /// Results that a report shows, with the quantile that is judged and its words.
@@ -85,7 +85,8 @@ pub fn outcomes(study: &Study, summary: &DesignSummary) -> Vec<Figure> {
         layer("tipped over, %", red, &tipped as Number, Scale::Share),
         layer("against the baseline, percentage points", red, &difference, Scale::Points),
     ];
-    if summary.designs.iter().any(|design| design.criteria.is_some()) {
+    let judged = summary.designs.iter().any(|design| design.criteria.is_some());
+    if judged {
         layers.push(layer("called by T.24, held pads, %", "#7a4b94", &captured, Scale::Share));
         layers.push(layer("called by the static angle, %", "#444444", &fixed, Scale::Share));
     }
@@ -93,9 +94,12 @@ pub fn outcomes(study: &Study, summary: &DesignSummary) -> Vec<Figure> {
         2 => "(framed) over the same draws, where grey is not told from none",
         _ => "(dashed) over the same draws",
     };
+    let criteria = match judged {
+        true => ", and the share of the draws that each criterion calls a tip-over",
+        false => "",
+    };
     let caption = format!(
-        "Probability of a tip-over with 95 % bounds, the difference to the baseline {baseline}, and the share of the draws \
-         that each criterion calls a tip-over."
+        "Probability of a tip-over with 95 % bounds, and the difference to the baseline {baseline}{criteria}."
     );
     let mut figures = vec![figure(study, summary, "tip-over", &caption, &layers)];
     let names: Vec<&str> = summary.designs.first().map_or(Vec::new(), |design| {
@@ -124,7 +128,13 @@ pub fn results(study: &Study, summary: &DesignSummary) -> Vec<Figure> {
     };
     let shown: Vec<_> = SHOWN
         .into_iter()
-        .filter(|(name, _)| summary.designs.iter().all(|design| design.result(name).is_some()))
+        .filter(|(name, _)| *name != "position_error_m" || study.kind == Kind::Landing)
+        .filter(|(name, (quantile, _))| {
+            let values = summary.designs.iter().map(|d| d.result(name)?.quantiles.at(*quantile));
+            let values: Option<Vec<f64>> = values.map(|b| Some(b?.value)).collect();
+            // What no design moves tells nothing.
+            values.is_some_and(|values| values.iter().any(|value| *value != values[0]))
+        })
         .map(|(name, (quantile, words))| (words, of(name, quantile)))
         .collect();
     let layers: Vec<Layer> = shown
@@ -163,6 +173,8 @@ fn figure(
     Figure { name: name.to_owned(), caption: caption.to_owned(), svg, csv }
 }
 
+/// Shares up to this have no more than its part of the depth.
+const PALE_SHARE: f64 = 0.1;
 const MARGIN: [f64; 2] = [86.0, 74.0];
 const ROW: f64 = 44.0;
 
@@ -197,7 +209,9 @@ fn heat_map(x: &Axis, y: &Axis, summary: &DesignSummary, layer: &Layer, frame: &
     let values = || numbers.iter().flatten().map(|number| number.value);
     let signed = layer.scale == Scale::Points;
     let magnitude = |value: f64| if signed { value.abs() } else { value };
-    let most = values().map(magnitude).fold(f64::MIN, f64::max);
+    // What is rare everywhere stays pale.
+    let floor = if layer.scale == Scale::Share { PALE_SHARE } else { f64::MIN };
+    let most = values().map(magnitude).fold(floor, f64::max);
     let least = match layer.scale {
         Scale::Quantity => values().fold(f64::MAX, f64::min),
         _ => 0.0,
