@@ -27,10 +27,9 @@ const PATH_HEIGHT_MIN_M: f64 = 6.0;
 const FREEZE_S: f64 = 2.0;
 /// Flight left after a plan, s: from the gate at 8 m/s to the ground.
 const TERMINAL_S: f64 = 4.0;
-/// The planned thrust direction ends within this of the vertical, and before within what a turn of 10 °/s
-/// brings there: planned swings from limit to limit in the last two seconds are none that the vehicle follows.
+/// The planned thrust direction ends within this of the vertical.
 const FINAL_TILT_RAD: f64 = 0.07;
-const FINAL_TILT_WIDENING_RAD_S: f64 = 0.17;
+const FINAL_TILT_INTERVALS: usize = 3;
 
 /// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
 /// three changes of mind.
@@ -224,7 +223,7 @@ fn problem(situation: &Situation, lead_s: f64, terminal: Terminal) -> Problem {
         tilt_max_rad: task.tilt_max_rad,
         final_tilt: Some(FinalTilt {
             tilt_max_rad: FINAL_TILT_RAD.min(task.tilt_max_rad),
-            widening_rad_s: FINAL_TILT_WIDENING_RAD_S,
+            intervals: FINAL_TILT_INTERVALS,
         }),
         reserve: Some(Reserve {
             thrust_max_n: RESERVE_SHARE * capability.thrust_max_n

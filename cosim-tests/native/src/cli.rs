@@ -81,6 +81,8 @@ enum Command {
     Touchdowns(Touchdowns),
     /// Run a study: many landings or touchdowns with parameters drawn from distributions
     Campaign(campaign::Campaign),
+    /// Run a study at every design of its axes, with the same draws, and compare them
+    Design(campaign::Campaign),
     /// Map which velocities at contact a lander survives
     Map(map::Map),
     /// Estimate the probability of a rare tip-over among a study's touchdowns, by subset simulation
@@ -147,6 +149,7 @@ impl Cli {
             }
             Command::Touchdowns(touchdowns) => touchdowns.run(),
             Command::Campaign(campaign) => campaign.execute(),
+            Command::Design(campaign) => campaign.execute_designs(),
             Command::Map(map) => map.execute(),
             Command::Rare(rare) => rare.execute(),
             Command::Paper(paper) => paper.execute(),

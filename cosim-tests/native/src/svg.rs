@@ -27,6 +27,11 @@ impl Frame {
 
     /// Border, ticks with their numbers, and words on the three sides.
     pub fn axes(&self, title: &str, x_label: &str, y_label: &str) -> String {
+        self.axes_beside(title, x_label, y_label, 36.0)
+    }
+
+    /// The same, with the words of the vertical axis so many pixels from the frame.
+    pub fn axes_beside(&self, title: &str, x_label: &str, y_label: &str, beside: f64) -> String {
         let Self { left, top, width, height, .. } = *self;
         let bottom = top + height;
         let mut out = format!(
@@ -45,7 +50,7 @@ impl Frame {
         }
         out += &text(left + width / 2.0, top - 7.0, "middle", 12, title);
         out += &text(left + width / 2.0, bottom + 29.0, "middle", 11, x_label);
-        let (x, y) = (left - 36.0, top + height / 2.0);
+        let (x, y) = (left - beside, top + height / 2.0);
         let _ = writeln!(
             out,
             "<g transform=\"rotate(-90 {x:.1} {y:.1})\">{}</g>",
@@ -111,6 +116,9 @@ pub fn styled_line(from: [f64; 2], to: [f64; 2], style: &str) -> String {
 
 /// `anchor` is `start`, `middle` or `end`.
 pub fn text(x: f64, y: f64, anchor: &str, size: u32, words: &str) -> String {
+    if words.is_empty() {
+        return String::new();
+    }
     let words = escaped(words);
     format!(
         "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{size}\">{words}</text>\n"

@@ -6,9 +6,13 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use cosim::study::row::Columns;
+use cosim::study::shard::BUILD;
 use cosim::study::{Kind, Study};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
+
+#[path = "../build_fingerprint.rs"]
+mod fingerprint;
 
 const RUNS: u64 = 24;
 
@@ -259,18 +263,64 @@ fn damaged_shards_are_run_again_and_more_runs_only_add() {
 }
 
 #[test]
-fn shards_of_another_study_or_version_are_not_touched() {
+fn leftovers_of_a_kill_go_and_what_is_being_written_stays() {
+    let folder = empty_folder("leftovers");
+    let shards = folder.join("out/drops/shards");
+    fs::create_dir_all(&shards).unwrap();
+    let left = [
+        shards.join("000000000-000000003.csv.0123456789abcdef.part"),
+        folder.join("out/drops/results.csv.0123456789abcdef.part"),
+    ];
+    let written = shards.join("000000004-000000007.csv.0123456789abcdef.part");
+    for file in left.iter().chain([&written]) {
+        fs::write(file, "half a row").unwrap();
+    }
+    // As another job of the same study holds it.
+    let open = fs::File::open(&written).unwrap();
+    open.lock().unwrap();
+    table(&folder, &text(), &[]);
+    assert!(left.iter().all(|file| !file.exists()) && written.exists());
+    drop(open);
+    table(&folder, &text(), &[]);
+    assert!(!written.exists());
+}
+
+#[test]
+fn a_build_s_fingerprint_is_of_its_sources() {
+    assert_eq!(fingerprint::fingerprint(&root()).unwrap(), BUILD);
+    let copy = empty_folder("sources");
+    for source in fingerprint::SOURCES {
+        let to = copy.join(source);
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        let copied = Command::new("cp").arg("-r").arg(root().join(source)).arg(to).status();
+        assert!(copied.unwrap().success());
+    }
+    assert_eq!(fingerprint::fingerprint(&copy).unwrap(), BUILD);
+    for source in ["truth-model/src/flight.rs", "guidance-fmu/src/lib.rs", "models/src/mass.rs"] {
+        let file = copy.join(source);
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, text.clone() + " ").unwrap();
+        assert_ne!(fingerprint::fingerprint(&copy).unwrap(), BUILD, "{source}");
+        fs::write(&file, text).unwrap();
+    }
+}
+
+#[test]
+fn shards_of_another_study_version_or_build_are_not_touched() {
     let folder = empty_folder("foreign");
     table(&folder, &text(), &[]);
     let file = folder.join("out/drops/shards/000000008-000000011.csv");
     let rows = fs::read_to_string(&file).unwrap();
     let error = refusal(&folder, &text().replace("value = 7,", "value = 8,"));
-    assert!(error.contains("is of another study or version"), "{error}");
+    assert!(error.contains("is of another study, version or build"), "{error}");
     let version = concat!(" version ", env!("CARGO_PKG_VERSION"));
     fs::write(&file, rows.replace(version, " version 0.0.9")).unwrap();
     let error = refusal(&folder, &text());
     assert!(error.contains("000000008-000000011.csv: ") && error.contains("0.0.9"), "{error}");
     assert!(fs::read_to_string(&file).unwrap().contains("0.0.9"));
+    fs::write(&file, rows.replace(BUILD, "0123456789abcdef")).unwrap();
+    let error = refusal(&folder, &text());
+    assert!(error.contains("build 0123456789abcdef"), "{error}");
 }
 
 #[test]

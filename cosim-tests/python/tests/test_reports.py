@@ -97,6 +97,23 @@ name = "downhill, sliding"
 slope_deg = {{ value = 12.0, unit = "deg" }}
 """
 
+AXES = """
+[[axis]]
+name = "footprint_factor"
+key = "vehicle.gear.feet_b"
+as = "factor"
+values = {{ value = [0.7, 1.0, 1.3], unit = "1" }}
+"""
+TWO_AXES = AXES + """
+[[axis]]
+name = "com_raised"
+key = "vehicle.mass.dry_com_b[3]"
+as = "added"
+low = {{ value = -0.3, unit = "m" }}
+high = {{ value = 0.3, unit = "m" }}
+count = {{ value = 3, unit = "1" }}
+"""
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -129,26 +146,29 @@ def look_at(page: Path) -> Seen:
     return Seen(html, measured, errors, image.imread(shot)[..., :3])
 
 
+# Name of a report: its command, its study and its page.
 STUDIES = {
-    "campaign": (CAMPAIGN, "small/report.html"),
-    "rare": (CAMPAIGN, "small/rare-event.html"),
-    "map": (MAP, "mapped/report.html"),
+    "campaign": ("campaign", CAMPAIGN, "small/report.html"),
+    "rare": ("rare", CAMPAIGN, "small/rare-event.html"),
+    "map": ("map", MAP, "mapped/report.html"),
+    "curves": ("design", CAMPAIGN + AXES, "small/report.html"),
+    "heat maps": ("design", CAMPAIGN + TWO_AXES, "small/report.html"),
 }
 
 
 @pytest.fixture(scope="module", params=["paper", *STUDIES])
 def report(request, tmp_path_factory) -> Seen:
-    out = tmp_path_factory.mktemp(request.param)
+    out = tmp_path_factory.mktemp(request.param.replace(" ", "-"))
     if request.param == "paper":
         done = run([LANDER, "paper", "--runs", "2", "--out", out])
         page = out / "report.html"
         assert done.stdout == f"{page}\n", done.stderr
     else:
-        text, page = STUDIES[request.param]
+        command, text, page = STUDIES[request.param]
         page = out / page
         study = out / "study.toml"
         study.write_text(text.format(scenarios=ROOT / "models" / "scenarios"), encoding="utf-8")
-        done = run([LANDER, request.param, study, "--out", out])
+        done = run([LANDER, command, study, "--out", out])
     assert done.returncode == 0, done.stderr
     return look_at(page)
 

@@ -40,7 +40,7 @@ pub struct Problem {
     pub engine: EngineState,
     /// Largest angle of the thrust from the vertical, rad.
     pub tilt_max_rad: f64,
-    /// Tilt limit that narrows towards the end, so that the vehicle arrives upright.
+    /// Smaller tilt limit at the end of the last burn, so that the vehicle arrives upright.
     pub final_tilt: Option<FinalTilt>,
     /// Wider limits that a plan may use, at a price, only where the ones above miss the target.
     pub reserve: Option<Reserve>,
@@ -69,13 +69,13 @@ pub struct Reserve {
     pub tilt_max_rad: f64,
 }
 
-/// Tilt limit at the end of a plan and how it widens before: what an attitude can follow (G.6).
+/// Tilt limit for the last intervals of the last phase.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FinalTilt {
-    /// Largest angle of the thrust from the vertical at the end, rad.
+    /// Largest angle of the thrust from the vertical, rad.
     pub tilt_max_rad: f64,
-    /// By how much more for each second before it, rad/s.
-    pub widening_rad_s: f64,
+    /// Number of intervals it holds for.
+    pub intervals: usize,
 }
 
 /// Limits that hold at every node of the plan.
@@ -135,10 +135,12 @@ impl Problem {
         libm::log(self.mass_kg / self.dry_mass_kg) / self.mass_flow_s_m()
     }
 
-    /// Nominal tilt limit of an interval that ends `left_s` before the plan, rad (G.6).
-    pub(super) fn tilt_limit_rad(&self, left_s: f64) -> f64 {
-        let at_end = |end: FinalTilt| end.tilt_max_rad + end.widening_rad_s * left_s;
-        self.final_tilt.map_or(self.tilt_max_rad, |end| at_end(end).min(self.tilt_max_rad))
+    /// Nominal tilt limit in `interval` of `intervals`, rad.
+    pub(super) fn tilt_limit_rad(&self, interval: usize, intervals: usize) -> f64 {
+        match self.final_tilt {
+            Some(end) if interval + end.intervals >= intervals => end.tilt_max_rad,
+            _ => self.tilt_max_rad,
+        }
     }
 
     /// Names the first input that is not finite or not physical.
@@ -178,7 +180,6 @@ impl Problem {
         }
         if let Some(end) = self.final_tilt {
             within("final_tilt.tilt_max_rad", end.tilt_max_rad, 1e-3, right_angle, ANGLE)?;
-            within("final_tilt.widening_rad_s", end.widening_rad_s, 0.0, 100.0, "[0, 100] rad/s")?;
         }
         if let Some(rate_n_s) = self.thrust_rate_max_n_s {
             within("thrust_rate_max_n_s", rate_n_s, 1e-3, 1e9, "[1e-3, 1e9] N/s")?;

@@ -303,12 +303,12 @@ impl Subproblem<'_> {
                 Affine::new([(h, -1.0), (step, high)], 0.0)
             };
             let tilt = |tilt_rad: f64| Affine::new([(w_z, 1.0), (h, -libm::cos(tilt_rad))], 0.0);
-            let tilt_rad = problem.tilt_limit_rad(reference.left_s(j + 1));
+            let tilt_rad = problem.tilt_limit_rad(j, grid.len());
             let mut nominal = [ceiling(problem.thrust_max_n), tilt(tilt_rad)];
             if let (Some(reserve), Some(e)) = (problem.reserve, columns.reserve(rank)) {
                 nominal.iter_mut().for_each(|row| row.terms.push((e, 1.0)));
                 program.nonnegative(ceiling(reserve.thrust_max_n));
-                program.nonnegative(tilt(tilt_rad + reserve.tilt_max_rad - problem.tilt_max_rad));
+                program.nonnegative(tilt(reserve.tilt_max_rad));
                 program.nonnegative(Affine::new([(e, 1.0)], 0.0));
             }
             nominal.into_iter().for_each(|row| program.nonnegative(row));

@@ -99,8 +99,7 @@ impl Trajectory {
                 .max(u_m_s2 * nodes[j].mass_kg - problem.thrust_ceiling_n())
                 .max(problem.thrust_min_n - u_m_s2 * nodes[j + 1].mass_kg);
             if problem.reserve.is_some() {
-                let left_s = node.t_s - nodes[j + 1].t_s;
-                let upright = libm::cos(problem.tilt_limit_rad(left_s));
+                let upright = libm::cos(problem.tilt_limit_rad(j, grid.len()));
                 let over_m_s = norm - problem.thrust_max_n / nodes[j].mass_kg * step_s;
                 let tilted_m_s = upright * norm - iterate.w_w[j].z;
                 reserve_m_s += over_m_s.max(tilted_m_s).max(0.0);
@@ -118,11 +117,6 @@ impl Trajectory {
             nodes,
             iterate,
         }
-    }
-
-    /// Time from a node to the end, s.
-    pub fn left_s(&self, node: usize) -> f64 {
-        self.nodes[self.nodes.len() - 1].t_s - self.nodes[node].t_s
     }
 
     /// Inner nodes more than `tolerance_m` outside the path limits, with the excess in m.

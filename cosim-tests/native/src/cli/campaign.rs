@@ -10,9 +10,10 @@ use cosim::landing::Error;
 use cosim::report;
 use cosim::study::campaign::{End, Part};
 use cosim::study::data::Data;
+use cosim::study::designs::DesignSummary;
 use cosim::study::row::Columns;
 use cosim::study::summary::Summary;
-use cosim::study::{Study, campaign, table};
+use cosim::study::{Study, campaign, data, table};
 
 use super::{INTERRUPTED, OK, kit_file, print};
 
@@ -44,11 +45,21 @@ pub struct Campaign {
 
 impl Campaign {
     pub fn execute(&self) -> Result<u8, Error> {
+        self.of(&Study::load(&kit_file(self.study.clone(), CAMPAIGNS))?)
+    }
+
+    /// As `execute`, of a study that must have designs.
+    pub fn execute_designs(&self) -> Result<u8, Error> {
         let study = Study::load(&kit_file(self.study.clone(), CAMPAIGNS))?;
-        let columns = Columns::new(&study)?;
+        study.need_axes()?;
+        self.of(&study)
+    }
+
+    fn of(&self, study: &Study) -> Result<u8, Error> {
+        let columns = Columns::new(study)?;
         match self.run {
-            Some(number) => self.one(&study, &columns, number),
-            None => self.all(&study, &columns),
+            Some(number) => self.one(study, &columns, number),
+            None => self.all(study, &columns),
         }
     }
 
@@ -89,16 +100,25 @@ impl Campaign {
     }
 
     fn conclude(&self, campaign: &campaign::Campaign) -> Result<u8, Error> {
-        let data = Data::read(campaign)?;
-        let summary = Summary::new(campaign, &data);
-        report::campaign::page(campaign, &data, &summary).write(&campaign.folder, "report")?;
-        let json = serde_json::to_string_pretty(&summary)? + "\n";
-        cosim::landing::write_whole(&campaign.folder.join("summary.json"), &json)?;
+        let (study, folder) = (campaign.study, &campaign.folder);
+        let reader = data::open(campaign)?;
+        let data = Data::new(&reader)?;
+        let (words, json) = if study.axes.is_empty() {
+            let summary = Summary::new(study, &data)?;
+            report::campaign::page(study, &data, &summary)?.write(folder, "report")?;
+            (summary.to_string(), serde_json::to_string_pretty(&summary)?)
+        } else {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+            let summary = pool.install(|| DesignSummary::new(study, &data))?;
+            report::design::page(study, &summary).write(folder, "report")?;
+            (summary.to_string(), serde_json::to_string_pretty(&summary)?)
+        };
+        let json = json + "\n";
+        cosim::landing::write_whole(&folder.join("summary.json"), &json)?;
         if self.json {
             print(&json)?;
         } else {
-            let folder = campaign.folder.display();
-            print(&format!("{summary}  report and tables in {folder}\n"))?;
+            print(&format!("{words}  report and tables in {}\n", folder.display()))?;
         }
         Ok(OK)
     }

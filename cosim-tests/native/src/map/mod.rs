@@ -74,6 +74,9 @@ impl<'a> Atlas<'a> {
             let reason = "is drawn, but on a map only constants have a place".to_owned();
             return Err(wrong(&drawn.key, reason));
         }
+        if !study.axes.is_empty() {
+            return Err(wrong("axis", "is for designs: a map is of one".to_owned()));
+        }
         let world = study.run(0)?.truth;
         for case in &map.cases {
             let state = case.at(&world.case, map.across_m_s[0], map.down_m_s[0]);

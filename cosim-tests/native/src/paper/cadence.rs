@@ -50,7 +50,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
             cells.extend([
                 paper,
                 flown.runs().to_string(),
-                bounded(mean(&flown.sorted("position_error_m")), 2),
+                bounded(mean(flown.sorted("position_error_m")), 2),
             ]);
             for (result, share) in [
                 ("contact_speed_down_m_s", 0.5),
@@ -59,7 +59,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
                 ("contact_tilt_deg", 0.99),
                 ("contact_rate_deg_s", 0.99),
             ] {
-                cells.push(cell(quantile(&flown.sorted(result), share).value, 2));
+                cells.push(cell(quantile(flown.sorted(result), share).value, 2));
             }
             for outcome in ["landed", "tipped"] {
                 let [value, low, high] = share(flown, outcome).map(|p| cell(p, 1));
@@ -124,8 +124,8 @@ fn curves(flights: &Flights) -> Figure {
         for replan_s in CADENCE_S {
             let Some(flown) = flights.of(Scheme { replan_s, feedback }) else { continue };
             let (miss, down) = (
-                mean(&flown.sorted("position_error_m")),
-                quantile(&flown.sorted("contact_speed_down_m_s"), 0.99),
+                mean(flown.sorted("position_error_m")),
+                quantile(flown.sorted("contact_speed_down_m_s"), 0.99),
             );
             let [value, low, high] = share(flown, "landed");
             let three = [

@@ -84,8 +84,8 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         cells.extend(match scheme.and_then(|scheme| flights.of(scheme)) {
             Some(flown) => {
                 let misses = flown.sorted("position_error_m");
-                let [high, most] = [0.99, 1.0].map(|share| cell(quantile(&misses, share).value, 2));
-                [flown.runs().to_string(), bounded(mean(&misses), 2), high, most]
+                let [high, most] = [0.99, 1.0].map(|share| cell(quantile(misses, share).value, 2));
+                [flown.runs().to_string(), bounded(mean(misses), 2), high, most]
             }
             None => ["not flown"; 4].map(str::to_owned),
         });
@@ -137,8 +137,8 @@ fn touchdown(chapter: &mut Chapter, flights: &Flights) {
         for (result, words, _) in CONTACT {
             let sorted = flown.sorted(result);
             let mut cells = vec![name.to_owned(), words.to_owned(), sorted.len().to_string()];
-            cells.extend([0.5, 0.99].map(|share| bounded(quantile(&sorted, share), 2)));
-            cells.push(cell(quantile(&sorted, 1.0).value, 2));
+            cells.extend([0.5, 0.99].map(|share| bounded(quantile(sorted, share), 2)));
+            cells.push(cell(quantile(sorted, 1.0).value, 2));
             rows.push(cells);
         }
     }
@@ -155,14 +155,14 @@ fn touchdown(chapter: &mut Chapter, flights: &Flights) {
 fn outcomes(chapter: &mut Chapter, flights: &Flights) {
     let (mut rows, mut groups) = (Vec::new(), Vec::new());
     for (name, scheme, _) in SCHEMES {
-        let Some(Flown { data, .. }) = flights.of(scheme) else { continue };
+        let Some(Flown { outcomes, failures, .. }) = flights.of(scheme) else { continue };
         let with = |failed: bool| {
-            let runs = data.outcomes.iter().zip(&data.failures);
+            let runs = outcomes.iter().zip(failures.iter());
             runs.filter(move |(_, failures)| (*failures != "none") == failed)
                 .map(|(outcome, _)| outcome)
         };
         let split = [
-            Group::new("all", &data.outcomes),
+            Group::new("all", outcomes.iter()),
             Group::new("without a failure mode", with(false)),
             Group::new("with one", with(true)),
         ];

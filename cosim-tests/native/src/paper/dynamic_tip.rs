@@ -137,7 +137,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     );
     let [median, high] = [0.5, 0.99].map(|share| {
         let across = inputs.flights.of(PAPER).map(|flown| flown.sorted("contact_speed_across_m_s"));
-        cell(quantile(&across.unwrap_or_default(), share).value, 1)
+        cell(quantile(across.unwrap_or_default(), share).value, 1)
     });
     chapter.differs(format!(
         "a static angle is no criterion for a landing: dry and level, {level} m/s tip it over an edge \

@@ -1,14 +1,15 @@
 //! The report's landings: the campaign `paper-monte-carlo` under several guidance schemes, resumable.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use crate::landing::Error;
 use crate::study::campaign::{Campaign, End};
-use crate::study::data::Data;
+use crate::study::data::{self, Data, Words};
 use crate::study::row::Columns;
-use crate::study::{Study, StudyError};
+use crate::study::{Study, StudyError, table};
 
 /// The study that every scheme flies: its disturbances and failure modes.
 const BASE: &str = "campaigns/paper-monte-carlo.toml";
@@ -70,12 +71,23 @@ impl Scheme {
     }
 }
 
+/// The results that landings are judged by.
+const JUDGED: [&str; 5] = [
+    "contact_speed_down_m_s",
+    "contact_speed_across_m_s",
+    "contact_tilt_deg",
+    "contact_rate_deg_s",
+    "position_error_m",
+];
+
 /// The landings of one scheme.
 pub struct Flown {
     pub scheme: Scheme,
     pub study: Study,
     pub columns: Columns,
-    pub data: Data,
+    pub outcomes: Words,
+    pub failures: Words,
+    sorted: BTreeMap<&'static str, Vec<f64>>,
 }
 
 /// All landings of the report: of N runs the open loop, the paper's and this kit's, and a fifth as many, 20 at least,
@@ -112,8 +124,9 @@ impl Flights {
             if campaign.run(None, threads, interrupted)? == End::Interrupted {
                 return Ok(None);
             }
-            let data = Data::read(&campaign)?;
-            flown.push(Flown { scheme, study, columns, data });
+            table::merge(&campaign)?;
+            let reader = data::open(&campaign)?;
+            flown.push(Flown::read(scheme, study.clone(), columns.clone(), Data::new(&reader)?)?);
         }
         Ok(Some(Self(flown)))
     }
@@ -125,20 +138,29 @@ impl Flights {
 }
 
 impl Flown {
-    /// What was measured of a result, rising.
-    pub fn sorted(&self, result: &str) -> Vec<f64> {
-        let mut values = self.data.column(result).unwrap_or_default().to_vec();
-        values.retain(|value| value.is_finite());
-        values.sort_by(f64::total_cmp);
-        values
+    fn read(
+        scheme: Scheme,
+        study: Study,
+        columns: Columns,
+        data: Data,
+    ) -> Result<Self, StudyError> {
+        let sorted = |name| Ok::<_, StudyError>((name, data.sorted(name)?));
+        let sorted = JUDGED.into_iter().map(sorted).collect::<Result<_, _>>()?;
+        let Data { outcomes, failures, .. } = data;
+        Ok(Self { scheme, study, columns, outcomes, failures, sorted })
+    }
+
+    /// What was measured of a result of `JUDGED`, rising.
+    pub fn sorted(&self, result: &str) -> &[f64] {
+        self.sorted.get(result).map(Vec::as_slice).unwrap_or_default()
     }
 
     /// Runs with an outcome.
     pub fn count(&self, outcome: &str) -> usize {
-        self.data.outcomes.iter().filter(|found| *found == outcome).count()
+        self.outcomes.iter().filter(|found| *found == outcome).count()
     }
 
     pub fn runs(&self) -> usize {
-        self.data.outcomes.len()
+        self.outcomes.codes.len()
     }
 }

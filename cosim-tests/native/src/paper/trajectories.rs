@@ -48,7 +48,7 @@ fn pair(world: &World) -> flight::World<'_> {
 
 /// The drawn runs of a scheme, each with its index into `COLOURS`.
 fn paths(flown: &Flown, inputs: &Inputs) -> Result<Vec<(usize, u64, Path)>, Error> {
-    let failed = |run: &usize| flown.data.failures[*run] != "none";
+    let failed = |run: &usize| flown.failures.get(*run) != "none";
     let all = 0..flown.runs();
     let mut drawn: Vec<(usize, u64)> =
         all.clone().filter(|run| !failed(run)).take(NOMINAL).map(|run| (0, run as u64)).collect();

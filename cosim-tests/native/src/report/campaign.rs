@@ -1,18 +1,16 @@
 //! The page of a campaign.
 
 use super::{Page, figures, percent};
-use crate::study::campaign::Campaign;
 use crate::study::data::Data;
 use crate::study::summary::{Correlation, Summary, short};
-use crate::study::{Kind, Study};
+use crate::study::{Kind, Study, StudyError};
 
 /// Results whose sensitivity is shown.
 const SENSITIVE: [&str; 3] = ["stability_distance_m", "position_error_m", "peak_stroke_m"];
 /// Bars of a figure.
 const STRONGEST: usize = 8;
 
-pub fn page(campaign: &Campaign, data: &Data, summary: &Summary) -> Page {
-    let study = campaign.study;
+pub fn page(study: &Study, data: &Data, summary: &Summary) -> Result<Page, StudyError> {
     let mut page = Page::new(&format!("Study {}", study.name));
     let what = match study.kind {
         Kind::Landing => {
@@ -34,8 +32,8 @@ pub fn page(campaign: &Campaign, data: &Data, summary: &Summary) -> Page {
     page.figure(figures::outcomes(&summary.groups));
     page.heading("Results");
     results(&mut page, summary);
-    page.figure(figures::distribution_functions(data));
-    if let Some(figure) = figures::footprint(data) {
+    page.figure(figures::distribution_functions(data)?);
+    if let Some(figure) = figures::footprint(data)? {
         page.figure(figure);
     }
     sensitivity(&mut page, summary);
@@ -47,16 +45,13 @@ pub fn page(campaign: &Campaign, data: &Data, summary: &Summary) -> Page {
         "lander campaign {0}.toml\nlander campaign {0}.toml --run 0 --log run.mcap     # one run alone, with its log",
         study.name
     ));
-    worst(&mut page, data);
-    page.paragraph(&format!(
-        "Version {}, seed {}, SHA-256 of study, scenario, vehicle and map {}.",
-        summary.version, summary.seed, summary.study_sha256
-    ));
+    worst(&mut page, data)?;
+    page.origin(study);
     page.study_file(study);
-    page
+    Ok(page)
 }
 
-fn inputs(page: &mut Page, study: &Study) {
+pub fn inputs(page: &mut Page, study: &Study) {
     page.heading("What was drawn");
     let row = |parameter: &crate::study::parameter::Parameter| {
         let known = if parameter.known { "truth and guidance" } else { "truth" };
@@ -158,24 +153,24 @@ fn sensitivity(page: &mut Page, summary: &Summary) {
 }
 
 /// Runs to look at first.
-fn worst(page: &mut Page, data: &Data) {
+fn worst(page: &mut Page, data: &Data) -> Result<(), StudyError> {
     let extreme = |name: &str, least: bool| {
-        let values = data.column(name)?;
+        let Some(values) = data.column(name)? else { return Ok(None) };
         let measured = values.iter().enumerate().filter(|(_, value)| value.is_finite());
         let order = |a: &(usize, &f64), b: &(usize, &f64)| a.1.total_cmp(b.1);
-        let (run, value) = if least { measured.min_by(order) } else { measured.max_by(order) }?;
+        let found = if least { measured.min_by(order) } else { measured.max_by(order) };
         let which = if least { "least" } else { "greatest" };
-        let outcome = data.outcomes[run].clone();
-        Some(vec![format!("{which} {name}"), short(*value), run.to_string(), outcome])
+        let cells = |(run, value): (usize, &f64)| {
+            let outcome = data.outcomes.get(run).to_owned();
+            vec![format!("{which} {name}"), short(*value), run.to_string(), outcome]
+        };
+        Ok::<_, StudyError>(found.map(cells))
     };
-    let rows: Vec<_> = [
-        extreme("stability_distance_m", true),
-        extreme("position_error_m", false),
-        extreme("contact_speed_down_m_s", false),
-        extreme("peak_stroke_m", false),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let mut rows = Vec::new();
+    rows.extend(extreme("stability_distance_m", true)?);
+    for name in ["position_error_m", "contact_speed_down_m_s", "peak_stroke_m"] {
+        rows.extend(extreme(name, false)?);
+    }
     page.table("", &["the run with the", "value", "is run", "outcome"], &rows);
+    Ok(())
 }

@@ -4,6 +4,7 @@ use lander_models::Outcome;
 
 use super::Figure;
 use crate::map::picture::colour;
+use crate::study::StudyError;
 use crate::study::data::Data;
 use crate::study::summary::{Correlation, Group, short};
 use crate::svg::{Frame, line, picture, text};
@@ -62,7 +63,7 @@ pub fn outcomes(groups: &[Group]) -> Figure {
     }
 }
 
-fn colour_of(outcome: &str) -> &'static str {
+pub fn colour_of(outcome: &str) -> &'static str {
     let known = Outcome::ALL.into_iter().find(|known| known.name() == outcome);
     // What a component broke off.
     known.map_or("#101010", colour)
@@ -81,13 +82,11 @@ const FUNCTIONS: [(&str, &str); 8] = [
 ];
 
 /// Distribution functions of the results that were measured.
-pub fn distribution_functions(data: &Data) -> Figure {
+pub fn distribution_functions(data: &Data) -> Result<Figure, StudyError> {
     let (mut parts, mut csv) = (String::new(), "result,value,share\n".to_owned());
     let mut panels = 0_i32;
     for (name, words) in FUNCTIONS {
-        let mut sorted = data.column(name).unwrap_or_default().to_vec();
-        sorted.retain(|value| value.is_finite());
-        sorted.sort_by(f64::total_cmp);
+        let sorted = data.sorted(name)?;
         let [Some(first), Some(last)] = [sorted.first(), sorted.last()] else { continue };
         if first == last {
             continue;
@@ -112,38 +111,41 @@ pub fn distribution_functions(data: &Data) -> Figure {
         parts += &frame.path(&points, "stroke=\"#2b6cb0\" stroke-width=\"1.6\"");
         parts += &frame.axes("", words, "share of the runs");
     }
-    Figure {
+    Ok(Figure {
         name: "distributions".to_owned(),
         caption: "Distribution functions over the runs in which each was measured.".to_owned(),
         svg: picture(1020.0, 24.0 + 205.0 * f64::from((panels + 3) / 4), &parts),
         csv,
-    }
+    })
 }
 
+/// Places drawn of a campaign: more would only cover each other.
+const DOTS: usize = 5000;
+
 /// Where the runs came to rest, with ellipses of one to three standard deviations. `None` where nothing spread.
-pub fn footprint(data: &Data) -> Option<Figure> {
-    let (x, y) = (data.column("position_w_1")?, data.column("position_w_2")?);
-    let ended = |outcome: &String| outcome != "failed";
-    let places: Vec<([f64; 2], &String)> = x
-        .iter()
-        .zip(y)
-        .zip(&data.outcomes)
-        .filter(|((x, y), outcome)| x.is_finite() && y.is_finite() && ended(outcome))
-        .map(|((x, y), outcome)| ([*x, *y], outcome))
-        .collect();
-    let landed: Vec<[f64; 2]> = places.iter().filter(|p| p.1 == "landed").map(|p| p.0).collect();
-    let n = landed.len() as f64;
-    if landed.len() < 10 {
-        return None;
+pub fn footprint(data: &Data) -> Result<Option<Figure>, StudyError> {
+    let [Some(x), Some(y)] = [data.column("position_w_1")?, data.column("position_w_2")?] else {
+        return Ok(None);
+    };
+    let places = || {
+        let runs = x.iter().zip(&y).zip(data.outcomes.iter());
+        let runs = runs.map(|((x, y), outcome)| ([*x, *y], outcome));
+        runs.filter(|([x, y], outcome)| x.is_finite() && y.is_finite() && *outcome != "failed")
+    };
+    let landed = || places().filter(|(_, outcome)| *outcome == "landed").map(|(place, _)| place);
+    let count = landed().count();
+    let n = count as f64;
+    if count < 10 {
+        return Ok(None);
     }
-    let mean = [0, 1].map(|i| landed.iter().map(|p| p[i]).sum::<f64>() / n);
+    let mean = [0, 1].map(|i| landed().map(|p| p[i]).sum::<f64>() / n);
     let covariance = |i: usize, j: usize| {
-        landed.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>() / (n - 1.0)
+        landed().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>() / (n - 1.0)
     };
     let (xx, xy, yy) = (covariance(0, 0), covariance(0, 1), covariance(1, 1));
     let half = 4.0 * xx.max(yy).sqrt();
     if half <= 0.0 {
-        return None;
+        return Ok(None);
     }
     let frame = Frame {
         left: 60.0,
@@ -154,14 +156,12 @@ pub fn footprint(data: &Data) -> Option<Figure> {
         y: [mean[1] - half, mean[1] + half],
     };
     let (mut parts, mut csv) = (String::new(), "x_m,y_m,outcome\n".to_owned());
-    let mut outside = 0;
-    for ([x, y], outcome) in &places {
+    let inside = |[x, y]: [f64; 2]| (x - mean[0]).abs() < half && (y - mean[1]).abs() < half;
+    let outside = places().filter(|(place, _)| !inside(*place)).count();
+    for ([x, y], outcome) in places().take(DOTS) {
         csv += &format!("{x},{y},{outcome}\n");
-        let inside = (x - mean[0]).abs() < half && (y - mean[1]).abs() < half;
-        if inside {
-            parts += &frame.dot([*x, *y], 1.8, colour_of(outcome));
-        } else {
-            outside += 1;
+        if inside([x, y]) {
+            parts += &frame.dot([x, y], 1.8, colour_of(outcome));
         }
     }
     // Square root of the covariance, by Cholesky.
@@ -177,16 +177,19 @@ pub fn footprint(data: &Data) -> Option<Figure> {
         parts += &frame.path(&ellipse, "stroke=\"#222\" stroke-width=\"0.9\"");
     }
     parts += &frame.axes("", "east of the target, m", "north of the target, m");
-    Some(Figure {
+    let dots = match places().nth(DOTS) {
+        None => String::new(),
+        Some(_) => format!(" Dots and data are the first {DOTS}, ellipses and counts are of all."),
+    };
+    Ok(Some(Figure {
         name: "footprint".to_owned(),
         caption: format!(
-            "Where the runs ended, world frame; ellipses of 1, 2 and 3 standard deviations of the {} that \
-             landed. {outside} lie outside the picture.",
-            landed.len()
+            "Where the runs ended, world frame; ellipses of 1, 2 and 3 standard deviations of the {count} that \
+             landed. {outside} lie outside the picture.{dots}"
         ),
         svg: picture(460.0, 440.0, &parts),
         csv,
-    })
+    }))
 }
 
 /// The strongest rank correlations of a result, as bars with their bounds.

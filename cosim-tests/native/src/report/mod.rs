@@ -2,6 +2,8 @@
 //! their data.
 
 pub mod campaign;
+pub mod design;
+pub mod design_figures;
 pub mod figures;
 pub mod map;
 pub mod rare;
@@ -12,6 +14,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::landing::{Error, write_whole};
+use crate::study::shard::{BUILD, VERSION};
 use crate::study::{Study, StudyError};
 use crate::svg::escaped;
 
@@ -130,6 +133,13 @@ impl Page {
         self.body += "</table>\n";
     }
 
+    /// A table with its own file, behind a click.
+    pub fn folded_table(&mut self, title: &str, table: Table) {
+        self.body += &format!("<details><summary>{}</summary>\n", escaped(title));
+        self.filed_table(table);
+        self.body += "</details>\n";
+    }
+
     /// A table with its own file.
     pub fn filed_table(&mut self, table: Table) {
         let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
@@ -152,6 +162,14 @@ impl Page {
             figure.name
         );
         self.figures.push(figure);
+    }
+
+    /// What the rows come from.
+    pub fn origin(&mut self, study: &Study) {
+        self.paragraph(&format!(
+            "Version {VERSION}, build {BUILD}, seed {}, SHA-256 of study, scenario, vehicle and map {}.",
+            study.seed, study.hash
+        ));
     }
 
     /// What every study's page ends with.

@@ -12,6 +12,15 @@ pub fn limits(k: usize, n: usize) -> [f64; 2] {
     [lower(k, n, 0.025), 1.0 - lower(n - k, n, 0.025)]
 }
 
+/// Two-sided 95 % limits by Wilson's score (1927): approximate, for what is made of two shares.
+pub fn wilson(k: usize, n: usize) -> [f64; 2] {
+    const Z: f64 = 1.959_963_984_540_054;
+    let (share, n) = (k as f64 / n as f64, n as f64);
+    let middle = share + Z * Z / (2.0 * n);
+    let reach = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+    [middle - reach, middle + reach].map(|limit| limit / (1.0 + Z * Z / n))
+}
+
 /// Clopper and Pearson 1934: the p at which `k` or more of `n` have the probability `mistake`.
 fn lower(k: usize, n: usize, mistake: f64) -> f64 {
     if k == 0 {
@@ -53,6 +62,15 @@ mod tests {
         ] {
             let found = limits(k, n);
             assert!((found[0] - low).abs() < 1e-10 && (found[1] - high).abs() < 1e-10, "{found:?}");
+        }
+        // scipy.stats.binomtest(k, n).proportion_ci(0.95, "wilson").
+        for (k, n, low, high) in [
+            (0, 50, 0.0, 0.07134759913335872),
+            (14, 20, 0.4810271816464766, 0.8545227551323957),
+            (3, 1000, 0.0010207838811386186, 0.008783014053503173),
+        ] {
+            let found = wilson(k, n);
+            assert!((found[0] - low).abs() < 1e-12 && (found[1] - high).abs() < 1e-12, "{found:?}");
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod beta;
 pub mod binomial;
 pub mod normal;
+pub mod paired;
 pub mod quantile;
 pub mod rank_correlation;
 pub mod sobol;

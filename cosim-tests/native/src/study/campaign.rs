@@ -12,6 +12,7 @@ use super::row::Columns;
 use super::shard::{self, Shard};
 use crate::landing::Error;
 use crate::progress::Count;
+use crate::whole_file;
 
 /// One of `of` equal parts of a campaign, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +66,11 @@ impl<'a> Campaign<'a> {
         interrupted: &AtomicBool,
     ) -> Result<End, Error> {
         let folder = self.folder.join("shards");
-        fs::create_dir_all(&folder).map_err(|source| StudyError::File { file: folder, source })?;
+        let lost = |source| StudyError::File { file: folder.clone(), source };
+        fs::create_dir_all(&folder).map_err(lost)?;
+        for folder in [&self.folder, &folder] {
+            whole_file::remove_leftovers(folder).map_err(lost)?;
+        }
         let mine = |block: &u64| part.is_none_or(|part| block % part.of == part.number - 1);
         let mut missing = Vec::new();
         for (_, shard) in (0..).zip(self.shards()).filter(|(block, _)| mine(block)) {

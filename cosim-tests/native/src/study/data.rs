@@ -1,64 +1,104 @@
-//! The rows of a study in memory, by column.
+//! The runs of a study, column by column from its merged table.
 
 use super::StudyError;
 use super::campaign::Campaign;
-use super::row::Content;
+use super::table::Reader;
 
+/// A column of words of which there are few: each once, and a code a row.
 #[derive(Clone, Debug, Default)]
-pub struct Data {
-    pub outcomes: Vec<String>,
-    /// Names joined by `+`, or `none`.
-    pub failures: Vec<String>,
-    /// Name and values of each column of numbers; NaN where nothing was measured.
-    pub numbers: Vec<(String, Vec<f64>)>,
+pub struct Words {
+    pub names: Vec<String>,
+    pub codes: Vec<u16>,
 }
 
-impl Data {
-    /// Reads all shards.
-    pub fn read(campaign: &Campaign) -> Result<Self, StudyError> {
-        let columns = &campaign.columns.all;
-        let named = |name: &str| columns.iter().position(|(column, _)| column == name);
-        let places: Vec<usize> =
-            (0..columns.len()).filter(|index| columns[*index].1 == Content::Number).collect();
-        let numbers = places.iter().map(|index| (columns[*index].0.clone(), Vec::new())).collect();
-        let mut data = Self { numbers, ..Self::default() };
-        for shard in campaign.shards() {
-            let rows = shard.read()?.ok_or_else(|| StudyError::Missing {
-                folder: campaign.folder.clone(),
-                first: shard.runs.start,
-                last: shard.runs.end - 1,
-            })?;
-            for row in &rows {
-                let cells: Vec<&str> = row.split(',').collect();
-                let cell = |index: Option<usize>| index.and_then(|i| cells.get(i)).copied();
-                data.outcomes.push(cell(named("outcome")).unwrap_or_default().to_owned());
-                data.failures.push(cell(named("failures")).unwrap_or_default().to_owned());
-                for (place, (_, values)) in places.iter().zip(&mut data.numbers) {
-                    // A shard's rows are as they were written: what is no number is empty.
-                    values
-                        .push(cell(Some(*place)).and_then(|c| c.parse().ok()).unwrap_or(f64::NAN));
-                }
-            }
-        }
-        Ok(data)
+impl Words {
+    /// The code of a word, new or known.
+    pub fn code(&mut self, word: &str) -> u16 {
+        let place = self.names.iter().position(|name| name == word).unwrap_or_else(|| {
+            self.names.push(word.to_owned());
+            self.names.len() - 1
+        });
+        place as u16
     }
 
-    /// The runs for which `keep` holds.
-    pub fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
-        fn of<T: Clone>(values: &[T], keep: impl Fn(usize) -> bool) -> Vec<T> {
-            let kept = values.iter().enumerate().filter(|(run, _)| keep(*run));
-            kept.map(|(_, value)| value.clone()).collect()
-        }
-        let column = |(name, values): &(String, Vec<f64>)| (name.clone(), of(values, &keep));
-        Self {
-            outcomes: of(&self.outcomes, &keep),
-            failures: of(&self.failures, &keep),
-            numbers: self.numbers.iter().map(column).collect(),
-        }
+    pub fn get(&self, row: usize) -> &str {
+        &self.names[usize::from(self.codes[row])]
     }
 
-    /// A column of numbers by name.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.numbers.iter().find(|(column, _)| column == name).map(|(_, values)| values.as_slice())
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        (0..self.codes.len()).map(|row| self.get(row))
     }
+}
+
+/// All runs of a study, or an even part of them. Numbers stay in the file until they are asked for, so that
+/// memory holds a column at a time.
+pub struct Data<'a> {
+    reader: &'a Reader,
+    /// Names joined by `+`, or `none`.
+    pub failures: Words,
+    pub outcomes: Words,
+    part: Part,
+}
+
+/// Of each `of` runs in a row, those from `from` and below `to`.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    of: usize,
+    from: usize,
+    to: usize,
+}
+
+impl Part {
+    fn pick<T>(self, all: Vec<T>) -> Vec<T> {
+        if self.to - self.from == self.of {
+            return all;
+        }
+        let kept = all.into_iter().enumerate();
+        kept.filter(|(run, _)| (self.from..self.to).contains(&(run % self.of)))
+            .map(|(_, value)| value)
+            .collect()
+    }
+}
+
+impl<'a> Data<'a> {
+    pub fn new(reader: &'a Reader) -> Result<Self, StudyError> {
+        let whole = Part { of: 1, from: 0, to: 1 };
+        let words = |name| Ok::<_, StudyError>(reader.words(name)?.unwrap_or_default());
+        Ok(Self { reader, failures: words("failures")?, outcomes: words("outcome")?, part: whole })
+    }
+
+    /// Of each `of` runs in a row those from `from` and below `to`. Of all runs, not of a part.
+    pub fn part(&self, of: usize, from: usize, to: usize) -> Self {
+        let part = Part { of, from, to };
+        let words =
+            |all: &Words| Words { names: all.names.clone(), codes: part.pick(all.codes.clone()) };
+        let (failures, outcomes) = (words(&self.failures), words(&self.outcomes));
+        Self { reader: self.reader, failures, outcomes, part }
+    }
+
+    /// A column of numbers, NaN where nothing was measured; `None` if there is none of that name.
+    pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, StudyError> {
+        Ok(self.reader.numbers(name)?.map(|all| self.part.pick(all)))
+    }
+
+    /// What was measured of a column, rising.
+    pub fn sorted(&self, name: &str) -> Result<Vec<f64>, StudyError> {
+        let mut values = self.column(name)?.unwrap_or_default();
+        values.retain(|value| value.is_finite());
+        values.sort_by(f64::total_cmp);
+        Ok(values)
+    }
+
+    pub fn runs(&self) -> usize {
+        self.outcomes.codes.len()
+    }
+}
+
+/// The table of a campaign, which must have been merged.
+pub fn open(campaign: &Campaign) -> Result<Reader, StudyError> {
+    Reader::open(campaign)?.ok_or_else(|| StudyError::Missing {
+        folder: campaign.folder.clone(),
+        first: 0,
+        last: campaign.study.runs - 1,
+    })
 }

@@ -4,11 +4,13 @@
 //! searches in standard normal space share this one place.
 
 use lander_models::quantity::{ConfigError, Limit, Section};
+use serde::Serialize;
 
 use crate::statistics::normal::{self, share_below};
 
 /// What a parameter can be set to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     Number(f64),
     Text(String),
@@ -97,6 +99,9 @@ pub struct Distribution {
 
 const NAMES: [&str; 6] = ["constant", "choice", "uniform", "normal", "log_normal", "triangular"];
 
+/// Values of a design parameter at most.
+const LEVELS_MAX: f64 = 100.0;
+
 /// A truncated normal keeps at least this share of the whole: beyond, its bounds are a mistake.
 const LEAST_SHARE: f64 = 1e-6;
 
@@ -133,6 +138,23 @@ impl Distribution {
             _ => None,
         };
         Ok(Self { shape, unit, step })
+    }
+
+    /// As `read`, of a design's values: a list of `values`, or `count` of them from `low` to `high`.
+    pub fn read_levels(s: &Section) -> Result<Self, ConfigError> {
+        let (values, unit) = if s.has("count") { read_count(s)? } else { read_values(s)? };
+        let levels = values.into_iter().map(|value| (value, 0.0)).collect();
+        Ok(Self { shape: Shape::Choice(levels), unit, step: None })
+    }
+
+    /// The same, in another parameter's scale.
+    pub fn times(&self, factor: f64) -> Self {
+        let Shape::Choice(values) = &self.shape else { return self.clone() };
+        let scaled = values.iter().map(|(value, share)| match value {
+            Value::Number(number) => (Value::Number(number * factor), *share),
+            Value::Text(_) => (value.clone(), *share),
+        });
+        Self { shape: Shape::Choice(scaled.collect()), ..self.clone() }
     }
 
     /// The value below which a share `u` in [0, 1) of the draws lies.
@@ -194,7 +216,8 @@ fn read_constant(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
     })
 }
 
-fn read_choice(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
+/// A list of `values`, at least one, and their unit.
+fn read_values(s: &Section) -> Result<(Vec<Value>, Option<String>), ConfigError> {
     let (values, unit) = match s.texts("values") {
         Ok(texts) => (texts.into_iter().map(Value::Text).collect::<Vec<_>>(), None),
         Err(_) => {
@@ -206,6 +229,11 @@ fn read_choice(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
     if values.is_empty() {
         return Err(s.error("values", "must have at least one value"));
     }
+    Ok((values, unit))
+}
+
+fn read_choice(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
+    let (values, unit) = read_values(s)?;
     let weights = if s.has("weights") {
         s.numbers("weights", "1", Limit::NotNegative)?
     } else {
@@ -225,6 +253,19 @@ fn read_choice(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
         share
     });
     Ok((Shape::Choice(values.into_iter().zip(shares).collect()), unit))
+}
+
+/// `count` values from `low` to `high`, exact at both ends.
+fn read_count(s: &Section) -> Result<(Vec<Value>, Option<String>), ConfigError> {
+    let unit = s.unit_of("low")?;
+    let [low, high] = read_range(s, &unit)?;
+    let count = s.number("count", "1", Limit::Within(2.0, LEVELS_MAX))?;
+    if count.fract() != 0.0 {
+        return Err(s.error("count", format!("is {count}, must be a whole number")));
+    }
+    let last = count - 1.0;
+    let level = |n: u32| (low * (last - f64::from(n)) + high * f64::from(n)) / last;
+    Ok(((0..count as u32).map(|n| Value::Number(level(n))).collect(), Some(unit)))
 }
 
 /// `low` and `high` of a distribution that lies between them.

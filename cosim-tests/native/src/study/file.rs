@@ -9,9 +9,12 @@ use sha2::{Digest, Sha256};
 use toml::{Table, Value as Toml};
 
 use super::StudyError;
+use super::axis::{Axis, Designs};
 use super::failures::Failures;
 use super::parameter::{Parameter, case_unit};
 use super::rare;
+use super::run::Draw;
+use super::shard::{BUILD, VERSION, origin};
 use crate::landing::{hexadecimal, names_a_file};
 use crate::map::file::Map;
 use crate::statistics::subset::Settings;
@@ -49,10 +52,13 @@ pub struct Study {
     pub file: PathBuf,
     pub name: String,
     pub kind: Kind,
+    /// Of all designs together.
     pub runs: u64,
     pub seed: u64,
     /// Runs that are written, and after a kill repeated, together.
     pub shard_runs: u64,
+    /// Of `lander design`.
+    pub axes: Vec<Axis>,
     pub parameters: Vec<Parameter>,
     pub failures: Failures,
     pub sampling: Sampling,
@@ -126,6 +132,8 @@ impl Study {
                 parameters.push(Parameter::read(s, known)?);
             }
         }
+        let axes = Axis::read_all(&root)?;
+        let runs = runs.saturating_mul(Designs(&axes).count());
         let case = read_case(&root, kind)?;
         let failures = Failures::read(&root)?;
         let sampling = match root.choice("sampling", &["independent", "sobol"])? {
@@ -139,6 +147,7 @@ impl Study {
             runs,
             seed,
             shard_runs,
+            axes,
             parameters,
             failures,
             sampling,
@@ -159,6 +168,25 @@ impl Study {
         Ok(study)
     }
 
+    /// What its rows come from.
+    pub fn origin(&self) -> String {
+        origin(&self.hash, VERSION, BUILD)
+    }
+
+    /// An error unless it has designs.
+    pub fn need_axes(&self) -> Result<(), StudyError> {
+        if !self.axes.is_empty() {
+            return Ok(());
+        }
+        let (file, key) = (self.file.clone(), "axis".to_owned());
+        let reason = "is missing: a design study has one or two".to_owned();
+        Err(ConfigError::Key { file, key, reason }.into())
+    }
+
+    pub fn designs(&self) -> Designs<'_> {
+        Designs(&self.axes)
+    }
+
     /// All that can be drawn, failure modes last.
     pub fn drawn(&self) -> impl Iterator<Item = &Parameter> {
         let of_modes = self.failures.modes.iter().flat_map(|mode| &mode.parameters);
@@ -170,17 +198,30 @@ impl Study {
         let vehicle = Vehicle::of(&self.vehicle_file, self.vehicle.clone())?;
         Scenario::of(&self.scenario_file, self.scenario.clone(), &vehicle)?;
         self.realise(&[]).map_err(|refused| refused.at(self, "before any draw"))?;
-        let alone = self.parameters.iter().map(std::slice::from_ref);
+        // What is constant is so in every run, so that constants may need each other.
+        let is_constant = |p: &&Parameter| p.distribution.is_constant();
+        let constants: Vec<Draw> =
+            self.parameters.iter().filter(is_constant).map(in_the_middle).collect();
+        let before = || "before the first run".to_owned();
+        let designs = self.designs();
+        for design in 0..designs.count() {
+            let place = match self.axes.is_empty() {
+                true => before(),
+                false => format!("design {}", designs.name(design)),
+            };
+            let draws = [designs.draws(design), constants.clone()].concat();
+            self.realise(&draws).map_err(|refused| refused.at(self, place))?;
+        }
+        let drawn = self.parameters.iter().filter(|p| !is_constant(p));
+        let alone = drawn.map(std::slice::from_ref);
         let modes = self.failures.modes.iter().map(|mode| mode.parameters.as_slice());
         for together in alone.chain(modes) {
-            let middle: Vec<_> =
-                together.iter().map(|p| (p, p.distribution.quantile(0.5))).collect();
+            let middle: Vec<Draw> = together.iter().map(in_the_middle).collect();
             for (index, parameter) in together.iter().enumerate() {
                 for extreme in parameter.distribution.extremes() {
-                    let mut draws = middle.clone();
-                    draws[index].1 = extreme;
-                    self.realise(&draws)
-                        .map_err(|refused| refused.at(self, "before the first run"))?;
+                    let mut draws = [constants.clone(), middle.clone()].concat();
+                    draws[constants.len() + index].1 = extreme;
+                    self.realise(&draws).map_err(|refused| refused.at(self, before()))?;
                 }
             }
         }
@@ -206,8 +247,8 @@ impl Study {
     /// Sobol' indices need whole rows, inputs and no failure modes, which are no inputs.
     fn check_sampling(&self, root: &Section) -> Result<(), ConfigError> {
         let Some(SobolLayout { inputs, matrices }) = self.sobol_layout() else { return Ok(()) };
-        if inputs.is_empty() || !self.failures.modes.is_empty() {
-            let reason = "is \"sobol\", which needs drawn parameters and no failure modes";
+        if inputs.is_empty() || !self.failures.modes.is_empty() || !self.axes.is_empty() {
+            let reason = "is \"sobol\", which needs drawn parameters, no failure modes and no axes";
             return Err(root.error("sampling", reason));
         }
         if !self.runs.is_multiple_of(matrices as u64) {
@@ -237,6 +278,11 @@ impl Study {
         }
         Ok(hexadecimal(&digest.finalize()))
     }
+}
+
+/// Half the draws are below.
+fn in_the_middle(parameter: &Parameter) -> Draw<'_> {
+    (parameter, parameter.distribution.quantile(0.5))
 }
 
 fn unreadable(file: &Path, error: &std::io::Error) -> ConfigError {

@@ -3,8 +3,10 @@
 //! A study file says what is run and what is drawn; `Draw` makes one run of it, `campaign` runs
 //! them all into shards, and `table` merges those.
 
+pub mod axis;
 pub mod campaign;
 pub mod data;
+pub mod designs;
 pub mod distribution;
 pub mod failures;
 pub mod file;
@@ -33,7 +35,7 @@ pub enum StudyError {
     #[error("{}: {source}", file.display())]
     File { file: PathBuf, source: std::io::Error },
     #[error(
-        "{}: is of another study or version ({found}), not of this ({expected}): \
+        "{}: is of another study, version or build ({found}), not of this ({expected}): \
          remove its folder or choose another with --out",
         file.display()
     )]

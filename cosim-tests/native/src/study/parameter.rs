@@ -52,6 +52,13 @@ pub struct Files {
 
 impl Parameter {
     pub fn read(s: Section, known: bool) -> Result<Self, ConfigError> {
+        let parameter = Self::of(&s, known, Distribution::read(&s)?)?;
+        s.finish()?;
+        Ok(parameter)
+    }
+
+    /// With the `key` and `as` of a section, spread by a distribution.
+    pub fn of(s: &Section, known: bool, distribution: Distribution) -> Result<Self, ConfigError> {
         let key = s.text("key")?;
         let (root, path, indices) = parse_path(&key).map_err(|reason| s.error("key", reason))?;
         let what = match s.choice("as", &["value", "added", "factor"])? {
@@ -59,14 +66,12 @@ impl Parameter {
             "factor" => Use::Factor,
             _ => Use::Value,
         };
-        let distribution = Distribution::read(&s)?;
         if what != Use::Value && distribution.unit.is_none() {
             return Err(s.error("as", "is for numbers, but the distribution gives text"));
         }
         if what == Use::Factor && distribution.unit.as_deref() != Some("1") {
             return Err(s.error("as", "is \"factor\", so the distribution must be in \"1\""));
         }
-        s.finish()?;
         let column = column_name(root, &path, &indices, what, distribution.unit.as_deref());
         Ok(Self { key, column, root, known, distribution, path, indices, what })
     }
@@ -85,6 +90,24 @@ impl Parameter {
             path,
             indices: Vec::new(),
             what: Use::Value,
+        }
+    }
+
+    /// The value that leaves what the file has, if there is one whatever the file.
+    pub fn neutral(&self) -> Option<Value> {
+        match self.what {
+            Use::Value => None,
+            Use::Added => Some(Value::Number(0.0)),
+            Use::Factor => Some(Value::Number(1.0)),
+        }
+    }
+
+    /// How its values are used, in a word after its key.
+    pub fn how(&self) -> &'static str {
+        match self.what {
+            Use::Value => "",
+            Use::Added => " +",
+            Use::Factor => " ×",
         }
     }
 
@@ -263,13 +286,17 @@ fn column_name(
         Use::Added => name += "_added",
         Use::Value => {}
     }
+    // Those of the case have theirs in their names.
+    let unit = unit.filter(|_| root != Root::Case);
+    name + &column_unit(unit)
+}
+
+/// The end of a column's name that says its unit.
+pub fn column_unit(unit: Option<&str>) -> String {
+    let word = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     match unit {
-        Some(unit) if unit != "1" && root != Root::Case => {
-            let words: String =
-                unit.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-            format!("{name}_{words}")
-        }
-        _ => name,
+        None | Some("1") => String::new(),
+        Some(unit) => format!("_{}", unit.chars().map(word).collect::<String>()),
     }
 }
 

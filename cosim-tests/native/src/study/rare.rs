@@ -14,6 +14,7 @@ use super::file::{Kind, Sampling, Study};
 use super::row::{Columns, Row};
 use super::shard::VERSION;
 use super::summary::short;
+use super::table::Reader;
 use crate::landing::Error;
 use crate::progress::Count;
 use crate::statistics::binomial;
@@ -131,6 +132,9 @@ fn check(study: &Study) -> Result<(), ConfigError> {
     if study.sampling != Sampling::Independent {
         return wrong("sampling", "must be \"independent\" for a rare event");
     }
+    if !study.axes.is_empty() {
+        return wrong("axis", "is for designs: a rare event is sought in one");
+    }
     if study.drawn().next().is_none() {
         return wrong("dispersion", "has nothing that is drawn");
     }
@@ -154,13 +158,11 @@ fn margin(outcome: &str, distance_m: f64) -> f64 {
 }
 
 fn plain(campaign: &Campaign, estimate: &Estimate) -> Result<Vec<Plain>, StudyError> {
-    let data = match Data::read(campaign) {
-        Err(StudyError::Missing { .. }) => return Ok(Vec::new()),
-        read => read?,
-    };
-    let distances = data.column(MARGIN).unwrap_or_default();
+    let Some(reader) = Reader::open(campaign)? else { return Ok(Vec::new()) };
+    let data = Data::new(&reader)?;
+    let distances = data.column(MARGIN)?.unwrap_or_default();
     let margins: Vec<f64> =
-        data.outcomes.iter().zip(distances).map(|(outcome, d)| margin(outcome, *d)).collect();
+        data.outcomes.iter().zip(distances).map(|(outcome, d)| margin(outcome, d)).collect();
     let of_level = |bound: f64| {
         let met = margins.iter().filter(|margin| **margin <= bound).count();
         let [share_low, share_high] = binomial::limits(met, margins.len());

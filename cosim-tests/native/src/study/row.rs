@@ -52,12 +52,11 @@ impl Columns {
         }
         let layout = Layout::new(&schedule, &INTERFACES);
         let mut all = vec![("run".to_owned(), Content::Whole), ("seed".to_owned(), Content::Whole)];
-        all.extend(study.drawn().map(|parameter| {
-            let content = match parameter.distribution.unit {
-                Some(_) => Content::Number,
-                None => Content::Text,
-            };
-            (parameter.column.clone(), content)
+        let axes = study.axes.iter().map(|axis| (&axis.column, &axis.unit));
+        let drawn = study.drawn().map(|p| (&p.column, &p.distribution.unit));
+        all.extend(axes.chain(drawn).map(|(column, unit)| {
+            let content = if unit.is_some() { Content::Number } else { Content::Text };
+            (column.clone(), content)
         }));
         all.push(("failures".to_owned(), Content::Text));
         all.push(("outcome".to_owned(), Content::Text));

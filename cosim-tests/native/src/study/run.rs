@@ -54,7 +54,7 @@ pub struct Run {
     pub number: u64,
     /// Of the scenario's own draws: noise, biases, rocks, sensors.
     pub seed: u64,
-    /// In the order of `Study::drawn`; `None` for what belongs to a failure mode that it has not.
+    /// The axes', then in the order of `Study::drawn`; `None` for what belongs to a failure mode that it has not.
     pub values: Vec<Option<Value>>,
     /// Its failure modes.
     pub failures: Vec<String>,
@@ -71,7 +71,9 @@ impl Study {
             return Err(StudyError::NoSuchRun { file, run: number, runs });
         }
         let Some(layout) = self.sobol_layout() else {
-            return self.run_of(number, &|stream| random::uniform(self.seed, stream, number));
+            // Every design has the same draws.
+            let row = number / self.designs().count();
+            return self.run_of(number, &|stream| random::uniform(self.seed, stream, row));
         };
         let matrices = layout.matrices as u64;
         let (row, matrix) = (number / matrices, number % matrices);
@@ -86,14 +88,15 @@ impl Study {
 
     /// As `run`, with draws given by stream: a parameter's stream is its key.
     pub fn run_of(&self, number: u64, uniform: &dyn Fn(&str) -> f64) -> Result<Run, StudyError> {
-        let modes = self.failures.of_run(number, uniform);
+        let designs = self.designs();
+        let (row, design) = (number / designs.count(), number % designs.count());
+        let modes = self.failures.of_run(row, uniform);
         let of_modes = modes.iter().flat_map(|mode| &mode.parameters);
-        let draws: Vec<Draw> = self
-            .parameters
-            .iter()
-            .chain(of_modes)
-            .map(|p| (p, p.distribution.quantile(uniform(&p.key))))
-            .collect();
+        let drawn = self.parameters.iter().chain(of_modes);
+        let drawn: Vec<Draw> =
+            drawn.map(|p| (p, p.distribution.quantile(uniform(&p.key)))).collect();
+        // The design first: what is drawn as a factor or added scatters about it.
+        let draws: Vec<Draw> = designs.draws(design).into_iter().chain(drawn.clone()).collect();
         let known: Vec<Draw> = draws.iter().filter(|(p, _)| p.known).cloned().collect();
         // A scenario's seed is a whole number that a file can hold.
         let seed = (uniform(RUN_SEED) * 9.007e15) as u64;
@@ -103,13 +106,14 @@ impl Study {
             Ok::<_, StudyError>(world)
         };
         let value = |parameter: &Parameter| {
-            let draw = draws.iter().find(|(p, _)| p.key == parameter.key);
+            let draw = drawn.iter().find(|(p, _)| p.key == parameter.key);
             draw.map(|(_, value)| value.clone())
         };
+        let of_design = designs.values(design).into_iter().map(Some);
         Ok(Run {
             number,
             seed,
-            values: self.drawn().map(value).collect(),
+            values: of_design.chain(self.drawn().map(value)).collect(),
             failures: modes.iter().map(|mode| mode.name.clone()).collect(),
             truth: realise(&draws)?,
             believed: realise(&known)?,

@@ -16,11 +16,19 @@ use crate::whole_file;
 /// Of the rows: they may differ from one version of the software to the next.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// Of the sources that rows depend on (`build_fingerprint.rs`): they may differ from one build to the next.
+pub const BUILD: &str = env!("SOURCES_FINGERPRINT");
+
+/// What rows come from: files of the same origin may stand in one table.
+pub fn origin(study_sha256: &str, version: &str, build: &str) -> String {
+    format!("study {study_sha256} version {version} build {build}")
+}
+
 #[derive(Clone, Debug)]
 pub struct Shard {
     pub runs: Range<u64>,
     pub file: PathBuf,
-    /// Of all shards of the study: `study HASH version VERSION`.
+    /// Of all shards of the study.
     origin: String,
     /// The line with the names of the columns.
     header: String,
@@ -28,7 +36,7 @@ pub struct Shard {
 
 /// The shards of all runs of a study, in order.
 pub fn all(study: &Study, header: &str, folder: &Path) -> Vec<Shard> {
-    let origin = format!("study {} version {VERSION}", study.hash);
+    let origin = study.origin();
     (0..study.runs.div_ceil(study.shard_runs))
         .map(|block| {
             let first = block * study.shard_runs;
@@ -43,7 +51,7 @@ impl Shard {
     /// The rows, a line each, if the file is there and whole.
     ///
     /// # Errors
-    /// A file of another study or version: that is no leftover to be written over.
+    /// A file of another study, version or build: that is no leftover to be written over.
     pub fn read(&self) -> Result<Option<Vec<String>>, StudyError> {
         let text = match fs::read_to_string(&self.file) {
             Ok(text) => text,

@@ -6,11 +6,10 @@ use std::fmt;
 use lander_models::Outcome;
 use serde::Serialize;
 
-use super::campaign::Campaign;
+use super::StudyError;
 use super::data::Data;
 use super::file::Study;
-use super::parameter::Parameter;
-use super::shard::VERSION;
+use super::shard::{BUILD, VERSION};
 use crate::statistics::binomial;
 use crate::statistics::quantile::{Bounded, quantile};
 use crate::statistics::rank_correlation::rank_correlation;
@@ -21,6 +20,7 @@ pub struct Summary {
     pub study: String,
     pub study_sha256: String,
     pub version: &'static str,
+    pub build: &'static str,
     pub seed: u64,
     pub runs: usize,
     pub results: Vec<Quantiles>,
@@ -111,49 +111,51 @@ pub struct Share {
 }
 
 impl Summary {
-    pub fn new(campaign: &Campaign, data: &Data) -> Self {
-        let study = campaign.study;
-        let sobol = sobol_indices(study, data);
+    pub fn new(study: &Study, data: &Data) -> Result<Self, StudyError> {
+        let sobol = sobol_indices(study, data)?;
         // Bounds are for independent runs: of a Sobol' layout those of A and B.
-        let picked = study.sobol_layout().map(|layout| data.only(|run| run % layout.matrices < 2));
-        let runs = data.outcomes.len();
+        let picked = study.sobol_layout().map(|layout| data.part(layout.matrices, 0, 2));
+        let runs = data.runs();
         let data = picked.as_ref().unwrap_or(data);
         let mut groups = vec![Group::new("all", data.outcomes.iter())];
-        let mut by_failure: BTreeMap<&str, Vec<&String>> = BTreeMap::new();
-        for (failures, outcome) in data.failures.iter().zip(&data.outcomes) {
-            by_failure.entry(failures).or_default().push(outcome);
-        }
         if !study.failures.modes.is_empty() {
-            groups.extend(by_failure.into_iter().map(|(name, runs)| Group::new(name, runs)));
+            let mut names: Vec<&String> = data.failures.names.iter().collect();
+            names.sort();
+            for name in names {
+                let with = data.failures.iter().zip(data.outcomes.iter());
+                let with = with.filter(|(failures, _)| failures == name);
+                groups.push(Group::new(name, with.map(|(_, outcome)| outcome)));
+            }
         }
-        Self {
+        let results = RESULTS.iter().map(|name| Quantiles::new(name, data));
+        let results: Vec<Option<Quantiles>> = results.collect::<Result<_, _>>()?;
+        Ok(Self {
             study: study.name.clone(),
             study_sha256: study.hash.clone(),
             version: VERSION,
+            build: BUILD,
             seed: study.seed,
             runs,
-            results: RESULTS.iter().filter_map(|name| Quantiles::new(name, data)).collect(),
-            sensitivity: correlations(study, data),
+            results: results.into_iter().flatten().collect(),
+            sensitivity: correlations(study, data)?,
             sobol,
             groups,
-        }
+        })
     }
 }
 
 impl Quantiles {
     /// `None` for what was never measured, or always the same.
-    fn new(result: &str, data: &Data) -> Option<Self> {
-        let mut sorted = data.column(result)?.to_vec();
-        sorted.retain(|value| value.is_finite());
-        sorted.sort_by(f64::total_cmp);
+    pub fn new(result: &str, data: &Data) -> Result<Option<Self>, StudyError> {
+        let sorted = data.sorted(result)?;
         let of = |share| Quantile { share, bounded: quantile(&sorted, share) };
         let quantiles = SHARES.map(of).to_vec();
         // What is the same in every run tells nothing.
-        (sorted.first() != sorted.last()).then(|| Self {
+        Ok((sorted.first() != sorted.last()).then(|| Self {
             result: result.to_owned(),
             measured: sorted.len(),
             quantiles,
-        })
+        }))
     }
 
     pub fn at(&self, share: f64) -> Option<Bounded> {
@@ -162,35 +164,36 @@ impl Quantiles {
 }
 
 /// A result by name, also `LANDED`.
-fn result(data: &Data, name: &str) -> Option<Vec<f64>> {
+fn result(data: &Data, name: &str) -> Result<Option<Vec<f64>>, StudyError> {
     if name == LANDED {
         let landed = data.outcomes.iter().map(|o| f64::from(u8::from(o == Outcome::Landed.name())));
-        return Some(landed.collect());
+        return Ok(Some(landed.collect()));
     }
-    data.column(name).map(<[f64]>::to_vec)
+    data.column(name)
 }
 
-fn correlations(study: &Study, data: &Data) -> Vec<Correlation> {
+fn correlations(study: &Study, data: &Data) -> Result<Vec<Correlation>, StudyError> {
     let mut all = Vec::new();
     for name in RESULTS {
-        let Some(y) = result(data, name) else { continue };
-        let of = |parameter: &Parameter| {
-            let bounded = rank_correlation(data.column(&parameter.column)?, &y)?;
+        let Some(y) = result(data, name)? else { continue };
+        let mut found = Vec::new();
+        for parameter in study.drawn() {
+            let Some(x) = data.column(&parameter.column)? else { continue };
             let (result, parameter) = (name.to_owned(), parameter.column.clone());
-            Some(Correlation { result, parameter, bounded })
-        };
-        let mut found: Vec<_> = study.drawn().filter_map(of).collect();
+            let of = |bounded| Correlation { result, parameter, bounded };
+            found.extend(rank_correlation(&x, &y).map(of));
+        }
         found.sort_by(|a, b| b.bounded.value.abs().total_cmp(&a.bounded.value.abs()));
         all.extend(found);
     }
-    all
+    Ok(all)
 }
 
-fn sobol_indices(study: &Study, data: &Data) -> Vec<SobolIndex> {
-    let Some(layout) = study.sobol_layout() else { return Vec::new() };
+fn sobol_indices(study: &Study, data: &Data) -> Result<Vec<SobolIndex>, StudyError> {
+    let Some(layout) = study.sobol_layout() else { return Ok(Vec::new()) };
     let mut all = Vec::new();
     for name in RESULTS {
-        let Some(y) = result(data, name) else { continue };
+        let Some(y) = result(data, name)? else { continue };
         let of_matrix = |matrix| y.iter().skip(matrix).step_by(layout.matrices).copied().collect();
         let mixed = (0..layout.inputs.len()).map(|input| of_matrix(input + 2)).collect();
         let design = Design { a: of_matrix(0), b: of_matrix(1), mixed };
@@ -202,20 +205,32 @@ fn sobol_indices(study: &Study, data: &Data) -> Vec<SobolIndex> {
             }
         }
     }
-    all
+    Ok(all)
+}
+
+/// Outcomes' names, and that of a run that a component broke off.
+pub fn outcome_names() -> impl Iterator<Item = &'static str> {
+    Outcome::ALL.map(Outcome::name).into_iter().chain(["failed"])
+}
+
+impl Share {
+    /// `count` of `runs` had an outcome.
+    pub fn new(outcome: &str, count: usize, runs: usize) -> Self {
+        let [share_low, share_high] = binomial::limits(count, runs);
+        let share = count as f64 / runs as f64;
+        Self { outcome: outcome.to_owned(), runs: count, share, share_low, share_high }
+    }
 }
 
 impl Group {
-    pub fn new<'a>(failures: &str, outcomes: impl IntoIterator<Item = &'a String>) -> Self {
-        let outcomes: Vec<&String> = outcomes.into_iter().collect();
-        let runs = outcomes.len();
-        let names = Outcome::ALL.map(Outcome::name).into_iter().chain(["failed"]);
-        let shares = names.map(|name| {
-            let count = outcomes.iter().filter(|outcome| outcome.as_str() == name).count();
-            let [share_low, share_high] = binomial::limits(count, runs);
-            let share = count as f64 / runs as f64;
-            Share { outcome: name.to_owned(), runs: count, share, share_low, share_high }
-        });
+    pub fn new<'a>(failures: &str, outcomes: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for outcome in outcomes {
+            *counts.entry(outcome).or_default() += 1;
+        }
+        let runs = counts.values().sum();
+        let count = |name| counts.get(name).copied().unwrap_or(0);
+        let shares = outcome_names().map(|name| Share::new(name, count(name), runs));
         // What never happened still has an upper bound worth knowing for `tipped`.
         let kept = shares.filter(|share| share.runs > 0 || share.outcome == Outcome::Tipped.name());
         Self { failures: failures.to_owned(), runs, outcomes: kept.collect() }
