@@ -16,8 +16,9 @@ use crate::planning::Situation;
 /// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
 const LATERAL_POSITION_1_S2: f64 = 0.25;
 const LATERAL_VELOCITY_1_S: f64 = 1.0;
-/// Lateral tilt allowed high up and at cut-off, rad: the vehicle has to arrive upright.
-const TILT_HIGH_RAD: f64 = 0.14;
+/// Lateral tilt allowed high up and at cut-off, rad: a plan that ends turning leaves up to 2.7 m/s to take off, and the
+/// vehicle has to arrive upright.
+const TILT_HIGH_RAD: f64 = 0.35;
 const TILT_LOW_RAD: f64 = 0.02;
 /// Height over which the tilt limit shrinks, m.
 const TILT_HEIGHT_M: f64 = 8.0;

@@ -13,6 +13,9 @@ use crate::navigation::Navigation;
 use crate::planning::{Planning, Situation};
 use crate::scvx::Terminal;
 
+/// A last burn shorter than this is left to the terminal law, s: the attitude takes as long for the turns that a plan
+/// makes in one.
+const SHORT_BURN_S: f64 = 1.5;
 /// Tracking gains: critically damped at 0.7 rad/s, a quarter of the attitude loop's bandwidth.
 const TRACK_POSITION_1_S2: f64 = 0.5;
 const TRACK_VELOCITY_1_S: f64 = 1.4;
@@ -165,6 +168,9 @@ impl Mission {
                 } else if over {
                     self.phase = Phase::Terminal;
                     self.braking.engine_on = true;
+                } else if self.only_a_touch_left(context) {
+                    self.phase = Phase::Terminal;
+                    self.braking.engine_on = false;
                 }
             }
             Phase::Terminal | Phase::FallBack => {
@@ -174,6 +180,14 @@ impl Mission {
             }
             Phase::LiftOff | Phase::CutOff => {}
         }
+    }
+
+    /// Whether the plan falls and then burns for so short that the attitude could not follow: the terminal law brakes
+    /// as late by itself, and upright.
+    fn only_a_touch_left(&self, context: &Context) -> bool {
+        let Some(flown) = &self.planning.flown else { return false };
+        let left = flown.plan.last_burn_after(flown.elapsed_s(context.now));
+        context.task.terminal_law && left.is_some_and(|burn_s| burn_s < SHORT_BURN_S)
     }
 
     fn begin(&mut self, context: &Context) {

@@ -175,6 +175,17 @@ impl Plan {
         self.u_w[from..].iter().find_map(|u_w| u_w.try_normalize(0.0))
     }
 
+    /// Length of the last burn, s, where nothing but a coast lies before it from `t_s` on.
+    pub fn last_burn_after(&self, t_s: f64) -> Option<f64> {
+        let mut left = self.phases.iter().filter(|phase| phase.end_s() > t_s);
+        match (left.next(), left.next(), left.next()) {
+            (Some(coast), Some(burn), None) if !coast.powered && burn.powered => {
+                Some(burn.duration_s)
+            }
+            _ => None,
+        }
+    }
+
     /// Time from `t_s` to the next ignition, s; zero in a burn, `None` when no burn is left.
     pub fn time_to_ignition_s(&self, t_s: f64) -> Option<f64> {
         let burns = self.phases.iter().filter(|phase| phase.powered && phase.end_s() > t_s);
