@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::error::PlanError;
 
 /// Feasibility and gap tolerance in scaled units; below 1e-9 the solver stalls without refinement.
-const TOLERANCE: f64 = 1e-8;
+pub(super) const TOLERANCE: f64 = 1e-8;
 
 /// An affine expression Σ coefficient·x_column + constant; each column appears at most once.
 #[derive(Clone, Debug, Default)]
@@ -101,6 +101,15 @@ pub struct ConicSolver {
 impl ConicSolver {
     /// Equilibrates and orders `program`. Errors: the solver's own, as [`PlanError::Solver`].
     pub fn new(program: &Program, max_iterations: u32) -> Result<Self, PlanError> {
+        Self::with_tolerance(program, TOLERANCE, max_iterations)
+    }
+
+    /// As `new`, to be solved to `tolerance`.
+    pub(super) fn with_tolerance(
+        program: &Program,
+        tolerance: f64,
+        max_iterations: u32,
+    ) -> Result<Self, PlanError> {
         let columns = program.cost.len();
         let mut order: Vec<usize> = (0..program.entries.len()).collect();
         order.sort_unstable_by_key(|&k| (program.entries[k].0, program.entries[k].1));
@@ -129,7 +138,7 @@ impl ConicSolver {
             &a,
             &program.rhs,
             &program.cones,
-            settings(max_iterations),
+            settings(tolerance, max_iterations),
         )
         .map_err(|e| PlanError::Solver { status: e.to_string() })?;
         Ok(Self { inner, order, curved })
@@ -161,7 +170,7 @@ impl ConicSolver {
 }
 
 /// Deterministic settings: no clock, one thread; presolve would forbid data updates.
-fn settings(max_iterations: u32) -> DefaultSettings<f64> {
+fn settings(tolerance: f64, max_iterations: u32) -> DefaultSettings<f64> {
     DefaultSettings {
         max_iter: max_iterations,
         time_limit: f64::INFINITY,
@@ -174,9 +183,9 @@ fn settings(max_iterations: u32) -> DefaultSettings<f64> {
         static_regularization_enable: false,
         equilibrate_enable: true,
         equilibrate_max_iter: 4,
-        tol_gap_abs: TOLERANCE,
-        tol_gap_rel: TOLERANCE,
-        tol_feas: TOLERANCE,
+        tol_gap_abs: tolerance,
+        tol_gap_rel: tolerance,
+        tol_feas: tolerance,
         ..DefaultSettings::default()
     }
 }

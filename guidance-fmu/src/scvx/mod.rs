@@ -12,6 +12,7 @@ mod planner;
 mod problem;
 mod propulsion;
 mod residuals;
+mod restore;
 mod start;
 mod structure;
 mod subproblem;

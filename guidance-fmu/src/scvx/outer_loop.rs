@@ -1,14 +1,16 @@
-//! The successive-convexification loop: solve about the reference, roll out exactly, accept on
-//! merit, until the defect and the fuel change are small (G.18).
+//! The successive-convexification loop: solve about the reference, roll out exactly, restore the target, accept on
+//! merit, until the defect is small and so is what the linearisation leaves out of the fuel (G.18, G.94, G.95).
 
-use super::conic::{ConicSolver, Program};
+use super::conic::{self, ConicSolver, Program};
 use super::error::PlanError;
 use super::problem::{Problem, Settings};
 use super::residuals::LastStep;
+use super::restore::restore;
 use super::structure::Grid;
 use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
 use super::trajectory::{Iterate, Trajectory};
 use super::verify::{LOSSLESS_GAP_MAX, MISS_MAX};
+use lander_models::math::square;
 
 /// Converged relative thrust excursion.
 const THRUST_DEFECT: f64 = 1e-5;
@@ -29,6 +31,11 @@ const STIFFNESS_START: f64 = 1e-2;
 const STIFFNESS_GROWTH: f64 = 10.0;
 const STIFFNESS_MAX: f64 = 1.0;
 
+/// Largest curvature that is taken from a restoration: durations then move by a hundredth for all the fuel.
+const CURVATURE_MAX: f64 = 1e2;
+/// Squared relative change of the durations below which restoration costs too little to show their curvature.
+const MOVED_MIN: f64 = 1e-6;
+
 /// What the trajectory of a loop is for, which says when the loop has converged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
@@ -45,6 +52,14 @@ impl Purpose {
         match self {
             Self::Plan => 1e-4,
             Self::Structure => 0.1 * MISS_MAX,
+        }
+    }
+
+    /// Tolerance of the conic solver: for a structure a hundredth of the fuel change that ends its loop.
+    fn tolerance(self) -> f64 {
+        match self {
+            Self::Plan => conic::TOLERANCE,
+            Self::Structure => 1e-5,
         }
     }
 
@@ -124,17 +139,21 @@ pub(super) fn iterate(
         let program = subproblem.build(&reference, &local);
         let factorised = match &mut solver {
             Some(factorised) if factorised.fits(&program) => factorised,
-            empty => empty.insert(ConicSolver::new(&program, settings.solver_iterations_max)?),
+            empty => empty.insert(ConicSolver::with_tolerance(
+                &program,
+                purpose.tolerance(),
+                settings.solver_iterations_max,
+            )?),
         };
         let solution = factorised.solve(&program)?;
         budget.solver_iterations += solution.iterations;
-        let candidate = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
+        let solved = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
+        let slack = subproblem.terminal_slack(&reference, &solution.x);
+        let mut step = LastStep::new(&reference, &solved, slack);
+        let moved = Moved::new(grid, &reference, &solved, local.trust);
+        let (candidate, restored) = with_restoration(problem, grid, &scale, solved);
+        step.restoration_m_s = restored.unwrap_or(0.0);
 
-        let step = LastStep::new(
-            &reference,
-            &candidate,
-            subproblem.terminal_slack(&reference, &solution.x),
-        );
         let violated = candidate.path_violations(problem, PATH_DEFECT_M);
         let unwatched = violated.iter().filter(|(node, _)| !local.path_nodes.contains(node));
         let added: Vec<usize> = unwatched.map(|&(node, _)| node).collect();
@@ -145,16 +164,29 @@ pub(super) fn iterate(
             && candidate.miss_v_w.amax() <= purpose.defect()
             && !lossy
             && candidate.thrust_violation_n <= THRUST_DEFECT * problem.thrust_max_n;
-        let fuel_change = (candidate.cost_m_s / reference.cost_m_s - 1.0).abs();
-        let fuel_flat = fuel_change <= purpose.fuel_change();
+        let fuel_flat = match restored {
+            // A linearised floor (G.13) is not part of what restoration measures.
+            Some(left_out_m_s) if !local.thrust_floor => {
+                let held_m_s = local.stiffness * moved.squared * scale.velocity_m_s;
+                let flat_m_s = purpose.fuel_change() * candidate.cost_m_s;
+                left_out_m_s.abs() <= flat_m_s && held_m_s <= flat_m_s && moved.freely
+            }
+            _ => (candidate.cost_m_s / reference.cost_m_s - 1.0).abs() <= purpose.fuel_change(),
+        };
         if feasible && fuel_flat {
             return Ok(Outcome { trajectory: candidate, last_step: step, end: End::Converged });
         }
 
         let candidate_merit = merit(problem, &scale, &candidate);
         let more_rows = !added.is_empty() || (lossy && !local.thrust_floor);
+        let curvature = restored
+            .filter(|_| moved.squared > MOVED_MIN)
+            .map(|left_out_m_s| 2.0 * left_out_m_s / (scale.velocity_m_s * moved.squared));
         if fuel_flat {
             local.stiffness = STIFFNESS_MAX;
+        } else if let Some(curvature) = curvature {
+            // (G.95)
+            local.stiffness = curvature.clamp(STIFFNESS_START, CURVATURE_MAX);
         }
         if candidate_merit < reference_merit {
             let stalled = reference_merit - candidate_merit <= STALL * candidate_merit;
@@ -170,7 +202,9 @@ pub(super) fn iterate(
                 return Ok(Outcome { trajectory: reference, last_step, end: End::Stalled });
             }
             local.trust *= TRUST_CUT;
-            local.stiffness = (STIFFNESS_GROWTH * local.stiffness).min(STIFFNESS_MAX);
+            if curvature.is_none() {
+                local.stiffness = (STIFFNESS_GROWTH * local.stiffness).min(STIFFNESS_MAX);
+            }
         }
         if more_rows {
             local.thrust_floor |= lossy;
@@ -208,6 +242,46 @@ fn merit(problem: &Problem, scale: &Scale, trajectory: &Trajectory) -> f64 {
             * (trajectory.miss_v_w.lp_norm(1) / scale.velocity_m_s
                 + (trajectory.miss_r_w.lp_norm(1) + path_m) / scale.length_m
                 + thrust)
+}
+
+/// `solved`, or what restoration makes of it when that is better, and the cost of it, m/s: what the linearisation
+/// left out (G.94).
+fn with_restoration(
+    problem: &Problem,
+    grid: &Grid,
+    scale: &Scale,
+    solved: Trajectory,
+) -> (Trajectory, Option<f64>) {
+    match restore(problem, grid, &solved) {
+        Some(flown) if merit(problem, scale, &flown) <= merit(problem, scale, &solved) => {
+            let left_out_m_s = flown.cost_m_s - solved.cost_m_s;
+            (flown, Some(left_out_m_s))
+        }
+        _ => (solved, None),
+    }
+}
+
+/// How far a step moved the durations, in the units of (G.16).
+struct Moved {
+    squared: f64,
+    /// Whether the trust region held none of them back.
+    freely: bool,
+}
+
+impl Moved {
+    fn new(grid: &Grid, from: &Trajectory, to: &Trajectory, trust: f64) -> Self {
+        /// Room for the conic solver's tolerance.
+        const INSIDE: f64 = 0.99;
+        let steps_s = from.iterate.step_s.iter().zip(&to.iterate.step_s).zip(&grid.phases);
+        let relative =
+            steps_s.map(|((from_s, to_s), phase)| (to_s - from_s) / phase.softened_s(*from_s));
+        let (mut squared, mut freely) = (0.0, true);
+        for change in relative {
+            squared += square(change);
+            freely &= change.abs() < INSIDE * trust;
+        }
+        Self { squared, freely }
+    }
 }
 
 fn clamp_durations(grid: &Grid, mut start: Iterate) -> Iterate {

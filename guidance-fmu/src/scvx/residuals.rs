@@ -15,6 +15,9 @@ pub struct LastStep {
     pub position_error_m: f64,
     /// Free final time: change of the flight's duration in the step, s.
     pub duration_change_s: f64,
+    /// Cost of bringing its exact roll-out back to bounds and target (G.94), m/s: what the errors above are worth. Zero
+    /// when it was taken as it was.
+    pub restoration_m_s: f64,
     /// Virtual control left at the target: position, m.
     pub slack_m: f64,
     /// Virtual control left at the target: velocity, m/s.
@@ -35,6 +38,7 @@ impl LastStep {
             mass_error: mass_error.fold(0.0, f64::max),
             position_error_m: (candidate.miss_r_w - slack_r_w).norm(),
             duration_change_s: last.map_or(0.0, |(old, new)| (new.t_s - old.t_s).abs()),
+            restoration_m_s: 0.0,
             slack_m: slack_r_w.norm(),
             slack_m_s: slack_v_w.norm(),
         }

@@ -65,6 +65,15 @@ pub(super) struct PhaseGrid {
     pub step_min_s: f64,
 }
 
+impl PhaseGrid {
+    /// Unit of a change of an interval that is `step_s` long, s (G.15, G.16): its length, softened so that a nearly
+    /// vanished phase stays free to grow again.
+    pub fn softened_s(&self, step_s: f64) -> f64 {
+        const PHASE_MIN_S: f64 = 0.05;
+        step_s + PHASE_MIN_S / self.intervals as f64
+    }
+}
+
 /// The grid of a plan: phases, and the phase of every interval.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Grid {

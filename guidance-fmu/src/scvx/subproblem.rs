@@ -18,9 +18,6 @@ pub(super) const RESERVE_WEIGHT: f64 = 10.0;
 /// slack weight that no height is given up for speed (G.44).
 pub(super) const IMPACT_WEIGHT: f64 = 10.0;
 
-/// Radius that keeps a nearly vanished phase free to grow again, s.
-const RADIUS_MIN_S: f64 = 0.05;
-
 /// Units that bring positions, velocities and durations to order one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
@@ -137,7 +134,7 @@ impl Subproblem<'_> {
         for (index, phase) in self.grid.phases.iter().enumerate() {
             // ½ κ ((d − d̄)/d̄)² (G.16), softened where a phase has nearly vanished.
             let reference_s = reference.iterate.step_s[index];
-            let unit = (reference_s + RADIUS_MIN_S / phase.intervals as f64) / self.scale.time_s;
+            let unit = phase.softened_s(reference_s) / self.scale.time_s;
             let weight = local.stiffness / (unit * unit);
             curvature[columns.step(index)] = weight;
             cost[columns.step(index)] = -weight * reference_s / self.scale.time_s;
@@ -338,7 +335,7 @@ impl Subproblem<'_> {
     ) {
         for (index, phase) in self.grid.phases.iter().enumerate() {
             let step_s = reference.iterate.step_s[index];
-            let radius_s = trust * (step_s + RADIUS_MIN_S / phase.intervals as f64);
+            let radius_s = trust * phase.softened_s(step_s);
             let low = (step_s - radius_s).max(phase.step_min_s) / self.scale.time_s;
             let high = (step_s + radius_s).max(phase.step_min_s) / self.scale.time_s;
             program.nonnegative(Affine::new([(columns.step(index), 1.0)], -low));

@@ -49,7 +49,7 @@ fn accepted(nominal: &Problem) -> Vec<Accepted> {
 type Measure = fn(&Accepted) -> f64;
 
 /// Source, the paper's technique, this kit's, residual, its unit and measure.
-const ROWS: [(&str, &str, &str, &str, &str, Measure); 10] = [
+const ROWS: [(&str, &str, &str, &str, &str, Measure); 11] = [
     (
         "thrust lower bound",
         "lossless convexification",
@@ -65,7 +65,7 @@ const ROWS: [(&str, &str, &str, &str, &str, Measure); 10] = [
         "thrust-mass coupling T/m",
         "log-mass substitution",
         "u = T/m is the unknown; bounds at the masses of the exact roll-out (G.11)",
-        "mass against the frozen one, relative",
+        "mass against the one frozen in the last step, relative",
         "1",
         |a| a.plan.report.last_step.mass_error,
     ),
@@ -81,13 +81,21 @@ const ROWS: [(&str, &str, &str, &str, &str, Measure); 10] = [
         "free final time",
         "time normalisation and SCvx",
         "phase lengths are unknowns (G.9, G.15)",
-        "end position linearised against exact",
+        "end position linearised against exact, in the last step",
         "m",
         |a| a.plan.report.last_step.position_error_m,
     ),
     ("", "", "", "change of the flight time in the last step", "s", |a| {
         a.plan.report.last_step.duration_change_s
     }),
+    (
+        "",
+        "",
+        "",
+        "Δv that makes up for what the last step's linearisation left out (G.94)",
+        "m/s",
+        |a| a.plan.report.last_step.restoration_m_s.abs(),
+    ),
     (
         "thruster dead zone",
         "strictly-on constraint",
