@@ -22,9 +22,9 @@ const HOP_LEADS: [Ticks; 1] = [Ticks(0)];
 /// The planned path keeps O this far above the target's level, m: half the gate, room for a
 /// vehicle that tracks with a metre of error.
 const PATH_HEIGHT_MIN_M: f64 = 6.0;
-/// No new plan in the last seconds of the flown one: burns shorter than the attitude loop's
-/// response only disturb it (guidance notes: freeze at 2 s to go).
-const FREEZE_S: f64 = 2.0;
+/// No new plan in the last seconds of the flown one: the burns of a shorter plan turn faster than the attitude can, and
+/// the upright end that each plan has, three intervals of eight, is then shorter than a turn takes (0.7 s).
+const FREEZE_S: f64 = 2.5;
 /// Flight left after a plan, s: from the gate at 8 m/s to the ground.
 const TERMINAL_S: f64 = 4.0;
 /// The planned thrust direction ends within this of the vertical.

@@ -16,6 +16,7 @@ use crate::flight::{self, Motion};
 use crate::gear::LegState;
 use crate::propulsion::{Command, Drive, Plant, Propulsion};
 use crate::sensors::{SensorState, SensorSuite};
+use crate::sight;
 use crate::slosh::Pendulums;
 use crate::terrain::Ground;
 use crate::verdict::Touchdown;
@@ -42,6 +43,8 @@ pub struct TruthModel {
     /// The scenario's terrain, made ready for queries.
     ground: Ground,
     sensors: SensorSuite,
+    /// Radius of the ball about O that holds pads, hull and nozzle at any stroke, m.
+    reach_m: f64,
 }
 
 /// All that a bit-exact restart needs.
@@ -71,7 +74,13 @@ impl TruthModel {
         let (scenario, vehicle) = disturbances::disperse(scenario, vehicle);
         let ground = Ground::new(&scenario.terrain);
         let sensors = SensorSuite::new(&scenario, &vehicle);
-        Self { scenario, vehicle, biases, ground, sensors }
+        let reach_m = sight::reach_m(&vehicle);
+        Self { scenario, vehicle, biases, ground, sensors, reach_m }
+    }
+
+    /// Whether the lowest point is known to be higher than `gap_m`: most of a flight needs to know no more.
+    pub(crate) fn surely_clear(&self, motion: &Motion, gap_m: f64) -> bool {
+        self.ground.surely_clear(&motion.position_w, self.reach_m, gap_m)
     }
 
     pub fn scenario(&self) -> &Scenario {
@@ -233,9 +242,13 @@ impl TruthModel {
         if state.contact.is_some() && state.feet_down.contains(&true) {
             return;
         }
+        let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();
+        if state.contact.is_none() && self.surely_clear(&state.motion, near_m.max(AIRBORNE_GAP_M)) {
+            state.airborne = true;
+            return;
+        }
         let lowest_m = self.lowest_m(state);
         state.airborne |= lowest_m > AIRBORNE_GAP_M;
-        let near_m = TAKE_OVER_GAP_M + 2.0 * TICK_S * state.motion.velocity_w.norm();
         if state.contact.is_none() && lowest_m < near_m {
             let choice = self.scenario.contact_engine;
             let (motion, legs) = (&state.motion, &state.legs);

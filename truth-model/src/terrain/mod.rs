@@ -182,6 +182,13 @@ impl Ground {
         surfaces.min_by(|a, b| a.clearance_m.total_cmp(&b.clearance_m))
     }
 
+    /// Whether a ball is known without a search to be more than `gap_m` above everything. Never so over craters or a map.
+    pub fn surely_clear(&self, centre_w: &Vector3<f64>, radius_m: f64, gap_m: f64) -> bool {
+        let lowest_m = self.normal_w.dot(centre_w) - radius_m;
+        let rocks_m = self.rocks.as_ref().map_or(f64::NEG_INFINITY, |rocks| rocks.top_m());
+        self.is_plane() && lowest_m > gap_m && centre_w.z - radius_m > rocks_m + gap_m
+    }
+
     /// Clearance of a ball from relief and rocks, m.
     pub fn ball_clearance_m(&self, centre_w: &Vector3<f64>, radius_m: f64) -> f64 {
         let relief_m = self.nearest(centre_w).clearance_m;

@@ -77,6 +77,10 @@ impl RockField {
         &self.rocks
     }
 
+    pub fn top_m(&self) -> f64 {
+        self.top_m
+    }
+
     pub fn near(&self, point_w: Vector3<f64>, reach_m: f64) -> impl Iterator<Item = &Rock> {
         let above = point_w.z > self.top_m + reach_m;
         let about = Rectangle { x_m: point_w.x, y_m: point_w.y, half_m: reach_m + self.widest_m };
