@@ -13,6 +13,8 @@ mod problem;
 mod propulsion;
 mod residuals;
 mod restore;
+#[cfg(test)]
+mod restore_tests;
 mod start;
 mod structure;
 mod subproblem;

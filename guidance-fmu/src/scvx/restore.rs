@@ -42,7 +42,8 @@ fn miss(trajectory: &Trajectory) -> f64 {
     trajectory.miss_r_w.norm().max(trajectory.miss_v_w.norm())
 }
 
-/// Thrusts slightly out of the bounds, which the subproblem took at other masses, are put on them.
+/// Thrusts out of their bounds, which the subproblem took at other masses, are put on them. What is more than slightly
+/// above the nominal ceiling draws on the reserve; what is far below the floor is not lossless, and is left so.
 fn bounded(problem: &Problem, grid: &Grid, iterate: &Iterate) -> Iterate {
     let mut bounded = iterate.clone();
     let flow_s_m = problem.mass_flow_s_m();
@@ -52,11 +53,15 @@ fn bounded(problem: &Problem, grid: &Grid, iterate: &Iterate) -> Iterate {
         let thrust_n = impulse_m_s / iterate.step_s[grid.phase_of[j]] * mass_kg;
         // The acceleration is held: the thrust is least at the end.
         let floor_n = problem.thrust_min_n * libm::exp(flow_s_m * impulse_m_s);
-        let above = |bound_n: f64| thrust_n > bound_n && thrust_n < bound_n * (1.0 + ON_BOUND);
-        let below = thrust_n < floor_n && thrust_n > floor_n * (1.0 - ON_BOUND);
-        let ceilings_n = [problem.thrust_max_n, problem.thrust_ceiling_n()];
-        let bound_n = ceilings_n.into_iter().find(|&n| above(n)).or(below.then_some(floor_n));
-        if let Some(bound_n) = bound_n {
+        let near = |bound_n: f64| (thrust_n / bound_n - 1.0).abs() < ON_BOUND;
+        let bound_n = if thrust_n > problem.thrust_max_n && near(problem.thrust_max_n) {
+            problem.thrust_max_n
+        } else if thrust_n < floor_n && near(floor_n) {
+            floor_n
+        } else {
+            thrust_n.min(problem.thrust_ceiling_n())
+        };
+        if thrust_n > 0.0 {
             bounded.w_w[j] *= bound_n / thrust_n;
             bounded.h[j] *= bound_n / thrust_n;
         }
@@ -66,7 +71,8 @@ fn bounded(problem: &Problem, grid: &Grid, iterate: &Iterate) -> Iterate {
 }
 
 /// One way to change an iterate, by a relative change or an angle in rad.
-enum Freedom {
+#[derive(Debug)]
+pub(super) enum Freedom {
     /// Length of a phase, at its thrust accelerations.
     Duration { phase: usize },
     /// Thrust of an interval.
@@ -99,7 +105,7 @@ fn least_change(problem: &Problem, grid: &Grid, flown: &Trajectory) -> Option<It
 }
 
 impl Freedom {
-    fn apply(&self, grid: &Grid, iterate: &mut Iterate, change: f64) {
+    pub(super) fn apply(&self, grid: &Grid, iterate: &mut Iterate, change: f64) {
         let mut stretch = |interval: usize| {
             iterate.w_w[interval] *= 1.0 + change;
             iterate.h[interval] *= 1.0 + change;
@@ -120,7 +126,7 @@ impl Freedom {
 }
 
 /// What `flown` may change without leaving a bound that it is on.
-fn freedoms(problem: &Problem, grid: &Grid, flown: &Trajectory) -> Vec<Freedom> {
+pub(super) fn freedoms(problem: &Problem, grid: &Grid, flown: &Trajectory) -> Vec<Freedom> {
     let Iterate { step_s, w_w, .. } = &flown.iterate;
     let free = |&phase: &usize| step_s[phase] > grid.phases[phase].step_min_s * (1.0 + ON_BOUND);
     let phases = (0..grid.phases.len()).filter(free);
@@ -152,7 +158,12 @@ fn freedoms(problem: &Problem, grid: &Grid, flown: &Trajectory) -> Vec<Freedom> 
 }
 
 /// Change of the scaled end state per unit of a freedom (G.4).
-fn slope(problem: &Problem, grid: &Grid, flown: &Trajectory, freedom: &Freedom) -> Vector6<f64> {
+pub(super) fn slope(
+    problem: &Problem,
+    grid: &Grid,
+    flown: &Trajectory,
+    freedom: &Freedom,
+) -> Vector6<f64> {
     let Iterate { step_s, w_w, .. } = &flown.iterate;
     let end_s = flown.nodes[grid.len()].t_s;
     // An impulse acts from the middle of its interval.
