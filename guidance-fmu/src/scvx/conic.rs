@@ -101,15 +101,6 @@ pub struct ConicSolver {
 impl ConicSolver {
     /// Equilibrates and orders `program`. Errors: the solver's own, as [`PlanError::Solver`].
     pub fn new(program: &Program, max_iterations: u32) -> Result<Self, PlanError> {
-        Self::with_tolerance(program, TOLERANCE, max_iterations)
-    }
-
-    /// As `new`, to be solved to `tolerance`.
-    pub(super) fn with_tolerance(
-        program: &Program,
-        tolerance: f64,
-        max_iterations: u32,
-    ) -> Result<Self, PlanError> {
         let columns = program.cost.len();
         let mut order: Vec<usize> = (0..program.entries.len()).collect();
         order.sort_unstable_by_key(|&k| (program.entries[k].0, program.entries[k].1));
@@ -138,7 +129,7 @@ impl ConicSolver {
             &a,
             &program.rhs,
             &program.cones,
-            settings(tolerance, max_iterations),
+            settings(max_iterations),
         )
         .map_err(|e| PlanError::Solver { status: e.to_string() })?;
         Ok(Self { inner, order, curved })
@@ -148,6 +139,18 @@ impl ConicSolver {
     pub(crate) fn fits(&self, program: &Program) -> bool {
         let rows = self.inner.data.m;
         self.order.len() == program.entries.len() && rows == program.rhs.len()
+    }
+
+    /// Sets what the next solves are to be accurate to; `TOLERANCE` until then. Errors: the solver's own.
+    pub(super) fn set_tolerance(&mut self, tolerance: f64) -> Result<(), PlanError> {
+        if self.inner.settings().tol_feas == tolerance {
+            return Ok(());
+        }
+        let mut settings = self.inner.settings().clone();
+        (settings.tol_gap_abs, settings.tol_gap_rel) = (tolerance, tolerance);
+        settings.tol_feas = tolerance;
+        let updated = self.inner.update_settings(settings);
+        updated.map_err(|e| PlanError::Solver { status: e.to_string() })
     }
 
     /// Solves `program`, which must have the pattern this solver was built with. Errors: as `new`.
@@ -170,7 +173,7 @@ impl ConicSolver {
 }
 
 /// Deterministic settings: no clock, one thread; presolve would forbid data updates.
-fn settings(tolerance: f64, max_iterations: u32) -> DefaultSettings<f64> {
+fn settings(max_iterations: u32) -> DefaultSettings<f64> {
     DefaultSettings {
         max_iter: max_iterations,
         time_limit: f64::INFINITY,
@@ -183,9 +186,9 @@ fn settings(tolerance: f64, max_iterations: u32) -> DefaultSettings<f64> {
         static_regularization_enable: false,
         equilibrate_enable: true,
         equilibrate_max_iter: 4,
-        tol_gap_abs: tolerance,
-        tol_gap_rel: tolerance,
-        tol_feas: tolerance,
+        tol_gap_abs: TOLERANCE,
+        tol_gap_rel: TOLERANCE,
+        tol_feas: TOLERANCE,
         ..DefaultSettings::default()
     }
 }

@@ -12,6 +12,10 @@ use super::trajectory::{Iterate, Trajectory};
 use super::verify::{LOSSLESS_GAP_MAX, MISS_MAX};
 use lander_models::math::square;
 
+/// Tolerance of conic solves whose step is only to lead nearer: a hundredth of the fuel change of a structure.
+const ROUGH: f64 = 1e-5;
+/// Relative fuel change of a step that was the last rough one.
+const ROUGH_FUEL_CHANGE: f64 = 2e-2;
 /// Converged relative thrust excursion.
 const THRUST_DEFECT: f64 = 1e-5;
 /// Node excursion that counts as a violated path limit, m.
@@ -41,6 +45,8 @@ const MOVED_MIN: f64 = 1e-6;
 pub(super) enum Purpose {
     /// To be flown.
     Plan,
+    /// To be flown, by an engine that never stops: from a guess that has no such engine, so that first steps lead far.
+    PlanFromGuess,
     /// To read switching times from, which the next loop refines.
     Structure,
 }
@@ -50,23 +56,15 @@ impl Purpose {
     /// flight could notice, or of what counts as met.
     fn defect(self) -> f64 {
         match self {
-            Self::Plan => 1e-4,
+            Self::Plan | Self::PlanFromGuess => 1e-4,
             Self::Structure => 0.1 * MISS_MAX,
-        }
-    }
-
-    /// Tolerance of the conic solver: for a structure a hundredth of the fuel change that ends its loop.
-    fn tolerance(self) -> f64 {
-        match self {
-            Self::Plan => conic::TOLERANCE,
-            Self::Structure => 1e-5,
         }
     }
 
     /// Converged relative fuel change between two outer iterations.
     fn fuel_change(self) -> f64 {
         match self {
-            Self::Plan => 2e-5,
+            Self::Plan | Self::PlanFromGuess => 2e-5,
             Self::Structure => 1e-3,
         }
     }
@@ -130,6 +128,7 @@ pub(super) fn iterate(
     let mut local = first_local();
     let mut solver: Option<ConicSolver> = None;
     let mut last_step = LastStep::default();
+    let mut rough = purpose != Purpose::Plan;
 
     for _ in 0..settings.outer_max {
         if budget.spent() {
@@ -139,12 +138,9 @@ pub(super) fn iterate(
         let program = subproblem.build(&reference, &local);
         let factorised = match &mut solver {
             Some(factorised) if factorised.fits(&program) => factorised,
-            empty => empty.insert(ConicSolver::with_tolerance(
-                &program,
-                purpose.tolerance(),
-                settings.solver_iterations_max,
-            )?),
+            empty => empty.insert(ConicSolver::new(&program, settings.solver_iterations_max)?),
         };
+        factorised.set_tolerance(if rough { ROUGH } else { conic::TOLERANCE })?;
         let solution = factorised.solve(&program)?;
         budget.solver_iterations += solution.iterations;
         let solved = Trajectory::new(problem, grid, subproblem.extract(&solution.x));
@@ -164,6 +160,7 @@ pub(super) fn iterate(
             && candidate.miss_v_w.amax() <= purpose.defect()
             && !lossy
             && candidate.thrust_violation_n <= THRUST_DEFECT * problem.thrust_max_n;
+        let fuel_change = (candidate.cost_m_s / reference.cost_m_s - 1.0).abs();
         let fuel_flat = match restored {
             // A linearised floor (G.13) is not part of what restoration measures.
             Some(left_out_m_s) if !local.thrust_floor => {
@@ -171,12 +168,14 @@ pub(super) fn iterate(
                 let flat_m_s = purpose.fuel_change() * candidate.cost_m_s;
                 left_out_m_s.abs() <= flat_m_s && held_m_s <= flat_m_s && moved.freely
             }
-            _ => (candidate.cost_m_s / reference.cost_m_s - 1.0).abs() <= purpose.fuel_change(),
+            _ => fuel_change <= purpose.fuel_change(),
         };
-        if feasible && fuel_flat {
+        let accurate = !rough || purpose == Purpose::Structure;
+        if feasible && fuel_flat && accurate {
             return Ok(Outcome { trajectory: candidate, last_step: step, end: End::Converged });
         }
 
+        rough = purpose == Purpose::Structure || rough && fuel_change > ROUGH_FUEL_CHANGE;
         let candidate_merit = merit(problem, &scale, &candidate);
         let more_rows = !added.is_empty() || (lossy && !local.thrust_floor);
         let curvature = restored

@@ -78,7 +78,7 @@ pub fn replan(
     let problem = &continued(problem, last, elapsed_s);
     let mut budget = Budget::new(settings);
     let warm = start::from_plan(problem, settings, last, elapsed_s).and_then(|(grid, start)| {
-        let mut plan = attempt(problem, settings, &grid, start, &mut budget).ok()?;
+        let mut plan = attempt(problem, settings, &grid, start, Purpose::Plan, &mut budget).ok()?;
         plan.report.warm = true;
         Some(plan)
     });
@@ -122,7 +122,7 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         let grid = Grid::new(Structure::On, problem, settings);
         let guess = start::always_on(problem, &grid);
         let direct = Settings { outer_max: settings.outer_max / 2, ..settings.clone() };
-        if let Ok(plan) = attempt(problem, &direct, &grid, guess, budget) {
+        if let Ok(plan) = attempt(problem, &direct, &grid, guess, Purpose::PlanFromGuess, budget) {
             return Ok(plan);
         }
     }
@@ -165,7 +165,7 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         // Free fall is there when all else has failed, and takes a solve or two.
         let last_resort = &mut Budget::new(settings);
         let budget = if structure == Structure::Off { last_resort } else { &mut *budget };
-        match attempt(problem, settings, &grid, start, budget) {
+        match attempt(problem, settings, &grid, start, Purpose::Plan, budget) {
             Ok(plan) => return Ok(plan),
             Err(error) => refusal = refusal.or(Some(error)),
         }
@@ -193,12 +193,13 @@ fn attempt(
     settings: &Settings,
     grid: &Grid,
     start: Iterate,
+    purpose: Purpose,
     budget: &mut Budget,
 ) -> Result<Plan, PlanError> {
     if budget.spent() {
         return Err(budget.exhausted());
     }
-    let outcome = outer_loop::iterate(problem, grid, start, settings, Purpose::Plan, budget)?;
+    let outcome = outer_loop::iterate(problem, grid, start, settings, purpose, budget)?;
     judge(problem, grid, outcome, budget)
 }
 
