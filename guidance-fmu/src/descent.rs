@@ -13,7 +13,7 @@ use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 use crate::planning::Situation;
 
-/// Lateral gains: critically damped at 0.7 rad/s, half the attitude loop's bandwidth.
+/// Lateral gains: critically damped at 0.5 rad/s, a sixth of the attitude loop's poles.
 const LATERAL_POSITION_1_S2: f64 = 0.25;
 const LATERAL_VELOCITY_1_S: f64 = 1.0;
 /// Lateral tilt allowed high up and at cut-off, rad: a plan that ends turning leaves up to 2.7 m/s to take off, and the
