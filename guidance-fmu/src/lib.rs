@@ -19,5 +19,12 @@ mod mission;
 mod model;
 mod planning;
 
+// The reference problems of the integration tests, which know this crate by its name.
+#[cfg(test)]
+extern crate self as guidance_fmu;
+#[cfg(test)]
+#[path = "../tests/scvx_scenarios/mod.rs"]
+mod scenarios;
+
 pub use mission::{Goal, Phase};
 pub use model::{Guidance, State};
