@@ -230,7 +230,7 @@ mod tests {
             // Of the crater field the rocks alone: over craters nothing is known.
             scenario.terrain.craters = None;
             // Rocks that stand higher than the shortcut is cautious.
-            for rocks in &mut scenario.terrain.rocks {
+            if let Some(rocks) = &mut scenario.terrain.rocks {
                 rocks.diameter_min_m = 1.0;
                 rocks.law = RockLaw::Exponential { abundance: 0.2 };
             }
