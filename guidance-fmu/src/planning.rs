@@ -28,7 +28,7 @@ const FREEZE_S: f64 = 2.5;
 /// Flight left after a plan, s: from the gate at 8 m/s to the ground.
 const TERMINAL_S: f64 = 4.0;
 /// The planned thrust direction ends within this of the vertical.
-const FINAL_TILT_RAD: f64 = 0.07;
+pub const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
 
 /// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
