@@ -13,10 +13,9 @@ use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 use crate::planning::Situation;
 
-/// Lateral gains: critically damped at 0.55 rad/s, a sixth of the attitude loop's poles. Of 109 hard starts on the filter
-/// the worst miss by 2.0 m and touch at 0.5 m/s across at 0.5 rad/s, by 1.9 m and 0.5 m/s so, by 1.7 m and 0.8 m/s at 0.7.
-const LATERAL_POSITION_1_S2: f64 = 0.3;
-const LATERAL_VELOCITY_1_S: f64 = 1.1;
+/// Lateral gains: critically damped at 0.5 rad/s, a sixth of the attitude loop's poles.
+const LATERAL_POSITION_1_S2: f64 = 0.25;
+const LATERAL_VELOCITY_1_S: f64 = 1.0;
 /// Lateral tilt allowed high up and at cut-off, rad: a plan that ends turning leaves up to 2.7 m/s to take off, and the
 /// vehicle has to arrive upright.
 const TILT_HIGH_RAD: f64 = 0.35;

@@ -307,3 +307,27 @@ fn within_tilt(v_w: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
     let side_w = lateral_w.try_normalize(0.0).unwrap_or_default();
     side_w * libm::sin(tilt_max_rad) + Vector3::z() * libm::cos(tilt_max_rad)
 }
+
+#[cfg(test)]
+mod tests {
+    use lander_models::Scenario;
+
+    use super::*;
+
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/scenarios/landing.toml");
+
+    #[test]
+    fn a_plan_hands_over_a_vehicle_that_stands_up() {
+        let (scenario, _) = Scenario::load(FILE.as_ref()).unwrap();
+        let task = scenario.guidance;
+        let limit_rad = |time_to_go_s| handover_tilt_rad(&task, time_to_go_s);
+        assert_eq!(limit_rad(0.0), FINAL_TILT_RAD);
+        assert_eq!(limit_rad(-0.1), FINAL_TILT_RAD);
+        assert_eq!(limit_rad(HANDOVER_S), task.tilt_max_rad);
+        assert_eq!(limit_rad(10.0), task.tilt_max_rad);
+        assert!(limit_rad(0.2) < limit_rad(0.3));
+        // Without a terminal law there is nobody to hand over to.
+        let task = Task { terminal_law: false, ..task };
+        assert_eq!(handover_tilt_rad(&task, 0.0), task.tilt_max_rad);
+    }
+}

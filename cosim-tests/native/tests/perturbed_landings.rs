@@ -1,21 +1,21 @@
 //! Landings under the paper's perturbations, against the limits that a gentle touchdown has.
 
 use claims::{Bound, Claim};
-use cosim::descents::{CLOSED_LOOP, Descent};
+use cosim::descents::{CLOSED_LOOP, Descent, FILTER, Scheme};
 use cosim::statistics::spread::Spread;
 use lander_models::Vehicle;
 
-fn fly(seeds: std::ops::RangeInclusive<u64>, threads: usize) -> Vec<Descent> {
+fn fly(scheme: &Scheme, seeds: impl IntoIterator<Item = u64>, threads: usize) -> Vec<Descent> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/vehicles/bug.toml");
     let vehicle = Vehicle::load(file.as_ref()).unwrap();
-    CLOSED_LOOP.fly(&vehicle, &seeds.collect::<Vec<_>>(), threads).unwrap()
+    scheme.fly(&vehicle, &seeds.into_iter().collect::<Vec<_>>(), threads).unwrap()
 }
 
 /// The first forty runs of `cargo bench -p cosim --bench closed_loop`.
 #[test]
 fn forty_perturbed_landings_are_gentle() {
     const ORIGIN: &str = "acceptance of the closed loop; 0.99 quantile of forty is their greatest";
-    let descents = fly(1..=40, 0);
+    let descents = fly(&CLOSED_LOOP, 1..=40, 0);
     let claim = |id, claim, unit, bound| Claim {
         id,
         section: "Guidance",
@@ -44,8 +44,18 @@ fn forty_perturbed_landings_are_gentle() {
     }
 }
 
+/// Of the benchmark's 1,000 starts those that laws in force before today's had slide or miss most.
+#[test]
+fn hard_starts_land_on_the_filter() {
+    for descent in fly(&FILTER, [59, 350, 570, 574, 661], 0) {
+        let Descent { seed, landed, miss_m, .. } = descent;
+        // The limit of the acceptance of the closed loop.
+        assert!(landed && miss_m < 2.0, "seed {seed}: landed {landed}, miss {miss_m} m");
+    }
+}
+
 #[test]
 fn rows_are_the_same_bytes_for_any_number_of_threads() {
-    let bytes = |threads| serde_json::to_string(&fly(1..=4, threads)).unwrap();
+    let bytes = |threads| serde_json::to_string(&fly(&CLOSED_LOOP, 1..=4, threads)).unwrap();
     assert_eq!(bytes(1), bytes(3));
 }
