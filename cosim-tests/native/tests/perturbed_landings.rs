@@ -44,7 +44,7 @@ fn forty_perturbed_landings_are_gentle() {
     }
 }
 
-/// Of the benchmark's 1,000 starts those that laws in force before today's had slide or miss most.
+/// Some of the benchmark's 1,000 starts that earlier laws let slide or miss most.
 #[test]
 fn hard_starts_land_on_the_filter() {
     for descent in fly(&FILTER, [59, 350, 570, 574, 661], 0) {

@@ -40,7 +40,7 @@ const STIFFNESS_MAX: f64 = 1.0;
 /// Largest curvature that is taken from a restoration: durations then move by a hundredth for all the fuel.
 const CURVATURE_MAX: f64 = 1e2;
 /// Squared relative change of the durations below which restoration costs too little to show their curvature: with the
-/// largest curvature some 1e-4 of the fuel. From 1e-8 to 1e-4 400 plans of the envelope take as many solves.
+/// largest curvature some 1e-4 of the fuel. From 1e-8 to 1e-4 400 plans from about the reference descents take as many solves.
 const MOVED_MIN: f64 = 1e-6;
 
 /// What the trajectory of a loop is for, which says when the loop has converged.

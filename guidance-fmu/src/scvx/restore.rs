@@ -11,10 +11,11 @@ const STEPS_MAX: usize = 3;
 /// Miss that needs no further step, m and m/s: a thousandth of what a plan may have when it ends the loop.
 pub(super) const MISS_MET: f64 = 1e-7;
 /// Largest relative change of a duration or a thrust, and turn of a thrust, rad, in one step: the square of it
-/// is what the linearisation leaves out. From 0.02 to 0.1 400 plans of the envelope take as many solves within 1 %.
+/// is what the linearisation leaves out. From 0.02 to 0.1 400 plans from about
+/// the reference descents take as many solves within 1 %.
 const CHANGE_MAX: f64 = 0.05;
 /// Distance from a bound, relative or rad, within which a thrust or a duration stays on it. From 1e-4, the root of the
-/// conic tolerance, to 1e-2 400 plans of the envelope take as many solves within 1 %.
+/// conic tolerance, to 1e-2 400 plans from about the reference descents take as many solves within 1 %.
 const ON_BOUND: f64 = 1e-3;
 
 /// `solved` with its thrusts on their bounds at the masses flown, and then with the least change of durations,
