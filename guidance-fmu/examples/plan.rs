@@ -17,6 +17,7 @@ fn main() -> Result<(), PlanError> {
         thrust_min_n: 800.0,
         thrust_max_n: 5200.0,
         thrust_rate_max_n_s: None,
+        turn: None,
         propulsion: Propulsion::OnOff { on_min_s: 0.2, off_min_s: 0.2, restarts_max: 1 },
         engine: Default::default(),
         tilt_max_rad: 29_f64.to_radians(),

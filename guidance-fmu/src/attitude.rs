@@ -1,5 +1,6 @@
 //! Attitude control by gimbal and thrusters (G.35 to G.37).
 
+use lander_models::math::square;
 use lander_models::vehicle::Vehicle;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
 
@@ -13,14 +14,42 @@ struct Gains {
     rate_to_acceleration_1_s: f64,
     /// Slews are held to this rate.
     rate_max_rad_s: f64,
+    /// With which a slew can be counted on to stop.
+    deceleration_rad_s2: f64,
 }
 
-/// On the gimbal: poles at 3 ± 2.4i rad/s, a fifth of the gimbal's lag (20 rad/s).
-const ON_GIMBAL: Gains =
-    Gains { error_to_rate_1_s: 2.5, rate_to_acceleration_1_s: 6.0, rate_max_rad_s: 0.5 };
+/// On the gimbal: poles at 3 ± 2.4i rad/s, a fifth of the gimbal's lag (20 rad/s). At 1 kN gimbal and thrusters give
+/// 1 rad/s², but the gimbal takes 0.7 s to swing from one end to the other; from 0.25 to 0.6 rad/s² a thousand landings differ little.
+const ON_GIMBAL: Gains = Gains {
+    error_to_rate_1_s: 2.5,
+    rate_to_acceleration_1_s: 6.0,
+    rate_max_rad_s: 0.5,
+    deceleration_rad_s2: 0.4,
+};
 /// On the thrusters: poles at 1.5 ± 1.2i rad/s; their 0.36 rad/s² stops a slew within 0.7 s.
-const ON_THRUSTERS: Gains =
-    Gains { error_to_rate_1_s: 1.2, rate_to_acceleration_1_s: 3.0, rate_max_rad_s: 0.26 };
+const ON_THRUSTERS: Gains = Gains {
+    error_to_rate_1_s: 1.2,
+    rate_to_acceleration_1_s: 3.0,
+    rate_max_rad_s: 0.26,
+    deceleration_rad_s2: 0.36,
+};
+
+/// Time by which the thrust is behind its order for the laws that steer by it (G.99), s: the loop on the gimbal lags by
+/// 6/15 = 0.4 s. With 0.3 s the poles of path and attitude together lie where the path's gains have them, at
+/// a damping of 0.9; from 0.2 to 0.4 s a thousand landings differ little.
+pub const LAG_S: f64 = 0.3;
+
+impl Gains {
+    /// Rate at which an error is taken back, over the error (G.98): in proportion where it is small, and not faster than
+    /// can be stopped where it is large.
+    fn rate_share_1_s(&self, error_rad: f64) -> f64 {
+        let knee_rad = self.deceleration_rad_s2 / square(self.error_to_rate_1_s);
+        if error_rad <= knee_rad {
+            return self.error_to_rate_1_s;
+        }
+        (2.0 * self.deceleration_rad_s2 * (error_rad - 0.5 * knee_rad)).sqrt() / error_rad
+    }
+}
 
 /// Below this thrust the gimbal's torque is not relied on.
 pub const GIMBAL_THRUST_MIN_N: f64 = 400.0;
@@ -57,12 +86,23 @@ pub fn control(
     let wanted_wb = attitude_for(up_w, &heading_w, &trim_b);
     let error_b = (wanted_wb.inverse() * nav.attitude_wb).scaled_axis();
     let turn_b = nav.attitude_wb.inverse() * up_rate_w;
-    let rate_b = (turn_b - error_b * gains.error_to_rate_1_s).cap_magnitude(gains.rate_max_rad_s);
+    let back_b = error_b * gains.rate_share_1_s(error_b.norm());
+    let rate_b = (turn_b - back_b).cap_magnitude(gains.rate_max_rad_s);
     let acceleration_b = (rate_b - nav.rate_b) * gains.rate_to_acceleration_1_s;
     // (G.36)
     let spin_b = nav.mass.inertia_b * nav.rate_b;
     let torque_b = nav.mass.inertia_b * acceleration_b + nav.rate_b.cross(&spin_b);
     allocate(vehicle, nav, engine, faults, &torque_b)
+}
+
+/// Unit vector along which the vehicle thrusts, or would.
+pub fn thrust_axis_w(
+    vehicle: &Vehicle,
+    nav: &Navigation,
+    engine: &EngineEstimate,
+    faults: &Faults,
+) -> Vector3<f64> {
+    nav.attitude_wb * trim_line_b(vehicle, nav, faults, engine.thrust_n())
 }
 
 /// Thrust line that the attitude is to put along the wanted thrust: through the centre of mass, or
@@ -179,6 +219,25 @@ mod tests {
         let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), line_rad.y);
         let force_b = about_y * about_x * Vector3::z() * 2000.0;
         (vehicle.engine.pivot_b - nav.mass.com_b).cross(&force_b)
+    }
+
+    #[test]
+    fn no_error_is_taken_back_faster_than_it_can_be_stopped() {
+        for gains in [ON_GIMBAL, ON_THRUSTERS] {
+            let rate_rad_s = |error_rad: f64| gains.rate_share_1_s(error_rad) * error_rad;
+            assert_eq!(rate_rad_s(0.01), gains.error_to_rate_1_s * 0.01);
+            for step in 1..200 {
+                // Deceleration along the profile: rate times its slope.
+                let error_rad = 0.01 * f64::from(step);
+                let slope_1_s =
+                    (rate_rad_s(error_rad + 1e-6) - rate_rad_s(error_rad - 1e-6)) / 2e-6;
+                let most_rad_s2 = gains.deceleration_rad_s2;
+                let deceleration_rad_s2 = rate_rad_s(error_rad) * slope_1_s;
+                // The difference quotient is good to about 1e-9.
+                assert!(deceleration_rad_s2 < most_rad_s2 + 1e-6, "{error_rad} rad");
+                assert!(slope_1_s > 0.0, "{error_rad} rad");
+            }
+        }
     }
 
     #[test]

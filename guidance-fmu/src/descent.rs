@@ -9,13 +9,14 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::attitude;
 use crate::disturbance::EngineEstimate;
 use crate::navigation::Navigation;
 use crate::planning::Situation;
 
-/// Lateral gains: critically damped at 0.5 rad/s, a sixth of the attitude loop's poles.
-const LATERAL_POSITION_1_S2: f64 = 0.25;
-const LATERAL_VELOCITY_1_S: f64 = 1.0;
+/// Lateral gains: critically damped at 0.6 rad/s, a sixth of the attitude loop's poles.
+const LATERAL_POSITION_1_S2: f64 = 0.36;
+const LATERAL_VELOCITY_1_S: f64 = 1.2;
 /// Lateral tilt allowed high up and at cut-off, rad: a plan that ends turning leaves up to 2.7 m/s to take off, and the
 /// vehicle has to arrive upright.
 const TILT_HIGH_RAD: f64 = 0.35;
@@ -57,7 +58,7 @@ pub fn demand(
     aim: Aim,
     braking: &mut Braking,
 ) -> Demand {
-    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, .. } = *situation;
+    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, axis_w, .. } = *situation;
     let speed_m_s = -nav.velocity_w.z;
     let height_m = (nav.altimeter_m - task.cutoff_height_m).max(0.05);
     let needed_m_s2 =
@@ -77,7 +78,13 @@ pub fn demand(
         needed_m_s2 >= start_m_s2
     };
     let vertical_m_s2 = gravity_m_s2 + needed_m_s2.clamp(floor_m_s2, ceiling_m_s2);
-    let lateral_w = lateral_demand(task, nav, aim, height_m, vertical_m_s2);
+    // What the thrust gives on its way to where it is ordered (G.99).
+    let given_w = match braking.engine_on {
+        true => axis_w * (vertical_m_s2 * attitude::LAG_S),
+        false => Vector3::zeros(),
+    };
+    let velocity_w = nav.velocity_w + given_w;
+    let lateral_w = lateral_demand(situation, &velocity_w, aim, height_m, vertical_m_s2);
     let acceleration_w = lateral_w + Vector3::z() * vertical_m_s2;
     let thrust_acceleration_w = braking.engine_on.then_some(acceleration_w);
     Demand { thrust_acceleration_w, up_w: acceleration_w.normalize() }
@@ -85,17 +92,18 @@ pub fn demand(
 
 /// Lateral acceleration within the tilt that the height still allows (G.32).
 fn lateral_demand(
-    task: &Task,
-    nav: &Navigation,
+    situation: &Situation,
+    velocity_w: &Vector3<f64>,
     aim: Aim,
     height_m: f64,
     vertical_m_s2: f64,
 ) -> Vector3<f64> {
+    let Situation { task, nav, .. } = *situation;
     let offset_w = match aim {
         Aim::Target(target_w) => nav.position_w - target_w,
         Aim::Below => Vector3::zeros(),
     };
-    let wanted_w = -offset_w * LATERAL_POSITION_1_S2 - nav.velocity_w * LATERAL_VELOCITY_1_S;
+    let wanted_w = -offset_w * LATERAL_POSITION_1_S2 - velocity_w * LATERAL_VELOCITY_1_S;
     let share = (height_m / TILT_HEIGHT_M).min(1.0);
     let high_rad = match aim {
         Aim::Target(_) => TILT_HIGH_RAD,
@@ -163,7 +171,8 @@ mod tests {
         let capability = Capability::nominal(task, &vehicle);
         let ask = |nav: &Navigation, braking: &mut Braking| {
             let (vehicle, now) = (&vehicle, Ticks::ZERO);
-            let situation = Situation { vehicle, task, gravity_m_s2, capability, now, nav };
+            let axis_w = Vector3::z();
+            let situation = Situation { vehicle, task, gravity_m_s2, capability, now, nav, axis_w };
             demand(&situation, &engine, aim, braking)
         };
         // On the planned parabola at 8 m: a = 3 m/s² is exactly what is needed.

@@ -6,6 +6,7 @@ use lander_models::vehicle::Vehicle;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::{self, GIMBAL_THRUST_MIN_N};
 use crate::descent::{self, Aim, Braking};
 use crate::disturbance::EngineEstimate;
 use crate::faults::Faults;
@@ -16,11 +17,12 @@ use crate::scvx::Terminal;
 /// A last burn shorter than this is left to the terminal law, s: the attitude takes as long for the turns that a plan
 /// makes in one.
 const SHORT_BURN_S: f64 = 1.5;
-/// Tracking gains: critically damped at 0.7 rad/s, a quarter of the attitude loop's bandwidth.
-const TRACK_POSITION_1_S2: f64 = 0.5;
-const TRACK_VELOCITY_1_S: f64 = 1.4;
-/// Half-width of the average over planned thrust directions: one interval of a last burn, s.
-const DIRECTION_WINDOW_S: f64 = 0.4;
+/// Tracking gains: critically damped at 0.8 rad/s, a quarter of the attitude loop's bandwidth.
+const TRACK_POSITION_1_S2: f64 = 0.64;
+const TRACK_VELOCITY_1_S: f64 = 1.6;
+/// Half-width of the average over planned thrust directions, s: an interval of a last burn and what the gimbal takes to swing
+/// over, so that a turn begins and ends as the vehicle can.
+const DIRECTION_WINDOW_S: f64 = 0.6;
 /// Half-width of the difference that gives the planned turn rate, s.
 const TURN_WINDOW_S: f64 = 0.1;
 /// Time before the end of a plan from which on the tilt limit falls to that of an upright end, s: what a turn takes. Between
@@ -111,7 +113,11 @@ impl<'a> Context<'a> {
     fn situation(&self) -> Situation<'a> {
         let Self { vehicle, task, gravity_m_s2, now, nav, engine, faults, .. } = *self;
         let capability = faults.capability(task, vehicle, engine);
-        Situation { vehicle, task, gravity_m_s2, capability, now, nav }
+        Situation { vehicle, task, gravity_m_s2, capability, now, nav, axis_w: self.axis_w() }
+    }
+
+    fn axis_w(&self) -> Vector3<f64> {
+        attitude::thrust_axis_w(self.vehicle, self.nav, self.engine, self.faults)
     }
 }
 
@@ -237,14 +243,22 @@ impl Mission {
             return Orders::coast(up_w);
         }
         let reference = flown.plan.sample(elapsed_s.max(0.0));
-        let feedback_w = if context.task.tracking {
-            (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
-                + (reference.v_w - nav.velocity_w) * TRACK_VELOCITY_1_S
-        } else {
-            Vector3::zeros()
-        };
         let direction = |t_s: f64| {
             flown.plan.smoothed_direction(t_s, DIRECTION_WINDOW_S).unwrap_or(Vector3::z())
+        };
+        let feedback_w = if context.task.tracking {
+            // What a thrust that is off its line fails to give until it is back (G.99).
+            let off_w = direction(elapsed_s) - context.axis_w();
+            let acceleration_m_s2 = if engine.thrust_n() > GIMBAL_THRUST_MIN_N {
+                ahead.thrust_n / ahead.mass_kg
+            } else {
+                0.0
+            };
+            let missing_w = off_w * (acceleration_m_s2 * attitude::LAG_S);
+            (reference.r_w - nav.position_w) * TRACK_POSITION_1_S2
+                + (reference.v_w - nav.velocity_w + missing_w) * TRACK_VELOCITY_1_S
+        } else {
+            Vector3::zeros()
         };
         let up_w = direction(ahead_s);
         let turned_w = direction(ahead_s + TURN_WINDOW_S) - direction(ahead_s - TURN_WINDOW_S);

@@ -12,7 +12,7 @@ use crate::faults::Capability;
 use crate::navigation::Navigation;
 use crate::scvx::{
     self, EngineState, FinalTilt, PathLimits, Plan, Problem, Propulsion, Reserve, Settings,
-    Terminal,
+    Terminal, Turn,
 };
 
 /// Free fall between the first plan and its first burn, tried in this order: time for a slew of
@@ -30,6 +30,9 @@ const TERMINAL_S: f64 = 4.0;
 /// The planned thrust direction ends within this of the vertical.
 pub const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
+
+/// Planned turns of the thrust, rad/s: half the rate of a slew, for a turn begins and ends slower than it goes.
+const TURN_RAD_S: f64 = 0.25;
 
 /// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
 /// three changes of mind.
@@ -70,6 +73,8 @@ pub struct Situation<'a> {
     pub capability: Capability,
     pub now: Ticks,
     pub nav: &'a Navigation,
+    /// Unit vector along which the vehicle thrusts, or would.
+    pub axis_w: Vector3<f64>,
 }
 
 impl Situation<'_> {
@@ -191,7 +196,7 @@ const FALL_BACKS: [Terminal; 3] = [Terminal::Point, Terminal::Anywhere, Terminal
 
 /// The landing problem from `lead_s` of free fall ahead of now to the gate above the target.
 fn problem(situation: &Situation, lead_s: f64, terminal: Terminal) -> Problem {
-    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, .. } = *situation;
+    let Situation { vehicle, task, gravity_m_s2, ref capability, nav, axis_w, .. } = *situation;
     let fall_w = Vector3::z() * -gravity_m_s2;
     let r0_w = nav.position_w + nav.velocity_w * lead_s + fall_w * (0.5 * lead_s * lead_s);
     let v0_w = nav.velocity_w + fall_w * lead_s;
@@ -218,6 +223,8 @@ fn problem(situation: &Situation, lead_s: f64, terminal: Terminal) -> Problem {
         thrust_min_n: capability.plan_thrust_min_n,
         thrust_max_n,
         thrust_rate_max_n_s: None,
+        // What is turned before the plan begins is no part of it.
+        turn: Some(Turn { rate_max_rad_s: TURN_RAD_S, axis_w: (lead_s == 0.0).then_some(axis_w) }),
         propulsion: PROPULSION,
         engine: EngineState::default(),
         tilt_max_rad: task.tilt_max_rad,
@@ -274,7 +281,8 @@ mod tests {
     ) -> Situation<'a> {
         let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
         let capability = Capability::nominal(task, vehicle);
-        Situation { vehicle, task, gravity_m_s2, capability, now, nav }
+        let axis_w = Vector3::z();
+        Situation { vehicle, task, gravity_m_s2, capability, now, nav, axis_w }
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod start;
 mod structure;
 mod subproblem;
 mod trajectory;
+mod turn;
 mod verify;
 
 pub(crate) use conic::Affine;
@@ -31,4 +32,5 @@ pub use propulsion::{EngineState, Propulsion};
 pub use residuals::LastStep;
 pub use structure::Structure;
 pub use trajectory::Node;
+pub use turn::Turn;
 pub use verify::{LOSSLESS_GAP_MAX, MISS_MAX, THRUST_EXCURSION_MAX, THRUST_RATE_EXCESS_MAX};

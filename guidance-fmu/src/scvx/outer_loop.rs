@@ -9,7 +9,7 @@ use super::problem::{Problem, Settings};
 use super::residuals::LastStep;
 use super::restore::restore;
 use super::structure::Grid;
-use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem};
+use super::subproblem::{Local, RESERVE_WEIGHT, SLACK_WEIGHT, Scale, Subproblem, TURN_WEIGHT};
 use super::trajectory::{Iterate, Trajectory};
 use super::verify::{LOSSLESS_GAP_MAX, MISS_MAX};
 
@@ -240,6 +240,7 @@ fn merit(problem: &Problem, scale: &Scale, trajectory: &Trajectory) -> f64 {
     let thrust = trajectory.thrust_violation_n.max(0.0) / problem.thrust_max_n;
     let priced_m_s = trajectory.cost_m_s + RESERVE_WEIGHT * trajectory.reserve_m_s;
     priced_m_s / scale.velocity_m_s
+        + TURN_WEIGHT * trajectory.turn_excess_rad
         + SLACK_WEIGHT
             * (trajectory.miss_v_w.lp_norm(1) / scale.velocity_m_s
                 + (trajectory.miss_r_w.lp_norm(1) + path_m) / scale.length_m

@@ -61,6 +61,8 @@ pub struct Report {
     pub thrust_rate_n_s: f64,
     /// Impulse the plan takes from the reserve limits, m/s; zero for a nominal plan.
     pub reserve_m_s: f64,
+    /// Largest turn of the thrust beyond its limit, rad (G.97); zero within it.
+    pub turn_excess_rad: f64,
 }
 
 /// A minimum-fuel trajectory. In a burn interval the thrust acceleration u = T/m is constant, so

@@ -12,6 +12,9 @@ use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
 use super::verify;
 
+/// Turn beyond its limit with which a warm plan is not taken unseen, rad: 6°, which the vehicle is behind by in a slew anyway.
+const TURN_EXCESS_MAX_RAD: f64 = 0.1;
+
 /// Plans from nothing: a relaxed solve gives the switching structure, a refined one the plan.
 ///
 /// # Errors
@@ -35,6 +38,7 @@ use super::verify;
 ///     thrust_min_n: 800.0,
 ///     thrust_max_n: 5200.0,
 ///     thrust_rate_max_n_s: None,
+///     turn: None,
 ///     propulsion: Default::default(),
 ///     engine: Default::default(),
 ///     tilt_max_rad: 29_f64.to_radians(),
@@ -82,7 +86,16 @@ pub fn replan(
         plan.report.warm = true;
         Some(plan)
     });
-    warm.map_or_else(|| cold(problem, settings, &mut budget), Ok)
+    match warm {
+        Some(plan) if plan.report.turn_excess_rad <= TURN_EXCESS_MAX_RAD => Ok(plan),
+        // Another order of burns may do with half the turn.
+        Some(plan) => {
+            let eases =
+                |other: &Plan| other.report.turn_excess_rad < 0.5 * plan.report.turn_excess_rad;
+            Ok(cold(problem, settings, &mut budget).ok().filter(eases).unwrap_or(plan))
+        }
+        None => cold(problem, settings, &mut budget),
+    }
 }
 
 /// The first conic program that [`replan`] solves, to measure solvers on; `None` when nothing of
@@ -114,6 +127,7 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         thrust_min_n: 0.0,
         final_tilt: None,
         thrust_rate_max_n_s: None,
+        turn: None,
         propulsion: Propulsion::AlwaysOn,
         ..problem.clone()
     };
@@ -218,6 +232,7 @@ fn judge(
         last_step,
         thrust_violation_n: trajectory.thrust_violation_n,
         reserve_m_s: trajectory.reserve_m_s,
+        turn_excess_rad: trajectory.turn_excess_rad,
         ..Report::default()
     };
     verify::path(problem, &trajectory.nodes)?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::PlanError;
 use super::propulsion::{EngineState, Propulsion};
+use super::turn::Turn;
 
 /// A minimum-fuel powered descent (G.1-G.7) in a site-fixed frame with z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +35,8 @@ pub struct Problem {
     pub thrust_max_n: f64,
     /// Largest change of the thrust vector between neighbouring intervals of a burn, N/s.
     pub thrust_rate_max_n_s: Option<f64>,
+    /// How fast the thrust may turn, so that the vehicle can follow (G.97).
+    pub turn: Option<Turn>,
     /// Whether and how often the engine may be switched.
     pub propulsion: Propulsion,
     /// What the engine has done before the start.
@@ -183,6 +186,11 @@ impl Problem {
         }
         if let Some(rate_n_s) = self.thrust_rate_max_n_s {
             within("thrust_rate_max_n_s", rate_n_s, 1e-3, 1e9, "[1e-3, 1e9] N/s")?;
+        }
+        if let Some(turn) = self.turn {
+            within("turn.rate_max_rad_s", turn.rate_max_rad_s, 1e-3, 1e3, "[1e-3, 1e3] rad/s")?;
+            let norm = turn.axis_w.map_or(1.0, |axis_w| axis_w.norm());
+            within("turn.axis_w", norm, 1.0 - 1e-6, 1.0 + 1e-6, "a unit vector")?;
         }
         if let Propulsion::OnOff { on_min_s, off_min_s, .. } = self.propulsion {
             within("propulsion.on_min_s", on_min_s, 0.01, 100.0, "[0.01, 100] s")?;

@@ -6,6 +6,7 @@ use super::conic::{Affine, Program};
 use super::problem::{Problem, Terminal};
 use super::structure::{Grid, Structure};
 use super::trajectory::{Iterate, Trajectory};
+use super::turn;
 
 /// Weight of a scaled unit of terminal or path slack against a scaled unit of Δv. The target's
 /// multipliers are of order one in these units, so the penalty is exact (Han & Mangasarian 1979).
@@ -17,6 +18,9 @@ pub(super) const RESERVE_WEIGHT: f64 = 10.0;
 /// Price of a scaled unit of impact speed: above the Δv that mends it, and far enough below the
 /// slack weight that no height is given up for speed (G.44).
 pub(super) const IMPACT_WEIGHT: f64 = 10.0;
+
+/// Price of a radian of turn beyond the limit.
+pub(super) const TURN_WEIGHT: f64 = 10.0;
 
 /// Units that bring durations to order one, positions and velocities to order `EXTENT`.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +57,7 @@ struct Columns {
     burns: usize,
     phases: usize,
     impact_columns: usize,
+    turn_columns: usize,
     path_columns: usize,
 }
 
@@ -70,6 +75,7 @@ impl Columns {
             burns,
             phases: grid.phases.len(),
             impact_columns: usize::from(problem.terminal == Terminal::SoftestImpact),
+            turn_columns: usize::from(problem.turn.is_some()),
             path_columns: 0,
         }
     }
@@ -105,9 +111,14 @@ impl Columns {
         self.slack_v() + 2
     }
 
+    /// Largest turn beyond the limit (G.97); only where there is one.
+    fn turn(&self) -> usize {
+        self.impact() + self.impact_columns
+    }
+
     /// Price of leaving a path limit; only where a node has one.
     fn path_slack(&self) -> usize {
-        self.impact() + self.impact_columns
+        self.turn() + self.turn_columns
     }
 
     fn len(&self) -> usize {
@@ -155,7 +166,8 @@ impl Subproblem<'_> {
             columns.reserve(rank).into_iter().for_each(|e| cost[e] = RESERVE_WEIGHT);
         }
         cost[columns.slack_v()..].fill(1.0);
-        cost[columns.impact()..columns.path_slack()].fill(IMPACT_WEIGHT);
+        cost[columns.impact()..columns.turn()].fill(IMPACT_WEIGHT);
+        cost[columns.turn()..columns.path_slack()].fill(TURN_WEIGHT);
         let mut program = Program::new(curvature, cost);
 
         self.thrust_rows(&mut program, &columns, reference, local);
@@ -181,6 +193,7 @@ impl Subproblem<'_> {
         self.terminal_cones(&mut program, &columns, reference);
         self.impact_cone(&mut program, &columns);
         self.rate_cones(&mut program, &columns, reference);
+        self.turn_cones(&mut program, &columns, reference);
         if let Some(angle_rad) = self.problem.path.glide_slope_rad {
             for &node in &local.path_nodes {
                 program.second_order(self.glide_slope(&columns, reference, node, angle_rad));
@@ -291,6 +304,37 @@ impl Subproblem<'_> {
                 Affine::new([(columns.w(after, axis), 1.0), (columns.w(before, axis), -1.0)], 0.0)
             };
             program.second_order([limit, change(0), change(1), change(2)]);
+        }
+    }
+
+    /// Turn from each direction to the next, at the reference's impulses (G.97).
+    fn turn_cones(&self, program: &mut Program, columns: &Columns, reference: &Trajectory) {
+        let Some(limit) = self.problem.turn else { return };
+        let iterate = &reference.iterate;
+        // The horizontal part of an interval's unit vector.
+        let across = |interval: usize, axis: usize, sign: f64| {
+            let rank = columns.rank[interval]?;
+            let impulse = iterate.w_w[interval].norm() / self.scale.velocity_m_s;
+            (impulse > 0.0).then(|| (columns.w(rank, axis), sign / impulse))
+        };
+        for link in turn::links(self.problem, self.grid, iterate) {
+            let turned = |axis: usize| {
+                let before = link.before.and_then(|j| across(j, axis, -1.0));
+                let start = limit.axis_w.filter(|_| link.before.is_none());
+                let terms = across(link.after, axis, 1.0).into_iter().chain(before);
+                Affine::new(terms.collect::<Vec<_>>(), start.map_or(0.0, |axis_w| -axis_w[axis]))
+            };
+            let most = Affine::new(
+                std::iter::once((columns.turn(), 1.0))
+                    .chain(link.intervals.iter().enumerate().filter(|(_, n)| **n > 0.0).map(
+                        |(phase, n)| {
+                            (columns.step(phase), n * limit.rate_max_rad_s * self.scale.time_s)
+                        },
+                    ))
+                    .collect::<Vec<_>>(),
+                0.0,
+            );
+            program.second_order([most, turned(0), turned(1)]);
         }
     }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::problem::Problem;
 use super::structure::Grid;
 use super::subproblem::IMPACT_WEIGHT;
+use super::turn;
 
 /// Decision variables of the outer loop.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,8 @@ pub(super) struct Trajectory {
     pub thrust_violation_n: f64,
     /// Impulse beyond the nominal ceiling and tilt that the reserve covers, m/s.
     pub reserve_m_s: f64,
+    /// Largest turn of the thrust beyond its limit, rad (G.97).
+    pub turn_excess_rad: f64,
 }
 
 impl Trajectory {
@@ -114,6 +117,7 @@ impl Trajectory {
             lossless_gap,
             thrust_violation_n,
             reserve_m_s,
+            turn_excess_rad: turn::excess_rad(problem, grid, &iterate),
             nodes,
             iterate,
         }

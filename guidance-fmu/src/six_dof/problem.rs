@@ -122,6 +122,7 @@ impl SixDofProblem {
             thrust_min_n: self.actuators.thrust_min_n,
             thrust_max_n: self.actuators.thrust_max_n,
             thrust_rate_max_n_s: None,
+            turn: None,
             propulsion: Propulsion::default(),
             engine: EngineState::default(),
             tilt_max_rad: self.limits.tilt_max_rad,

@@ -24,6 +24,7 @@ pub fn descent() -> Problem {
         thrust_min_n: 800.0,
         thrust_max_n: 5200.0,
         thrust_rate_max_n_s: None,
+        turn: None,
         propulsion: Propulsion::default(),
         engine: EngineState::default(),
         tilt_max_rad: 29_f64.to_radians(),

@@ -74,6 +74,7 @@ fn problem(hop: bool, mode: Mode, tilt_max_deg: f64) -> Problem {
         thrust_min_n: if mode == Mode::Relaxed { 0.0 } else { 800.0 },
         thrust_max_n: 5200.0,
         thrust_rate_max_n_s: None,
+        turn: None,
         propulsion: if mode == Mode::OnOff { Propulsion::default() } else { Propulsion::AlwaysOn },
         engine: EngineState::default(),
         tilt_max_rad: tilt_max_deg.to_radians(),

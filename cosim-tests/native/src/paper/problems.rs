@@ -46,6 +46,7 @@ pub fn problem(start: Start, bug: &Vehicle, printed: &Printed) -> Result<Problem
         thrust_min_n: bug.engine.thrust_min_n,
         thrust_max_n: bug.engine.thrust_max_n,
         thrust_rate_max_n_s: None,
+        turn: None,
         propulsion: Propulsion::default(),
         engine: EngineState::default(),
         tilt_max_rad: printed.number("guidance_tilt_max", "deg")?.to_radians(),
