@@ -44,11 +44,11 @@ fn lands(id: &str, claim: &str, at_least: usize, gain: i64) -> [Vec<Ending>; 2] 
     [with_response, without_response]
 }
 
-/// The better of two medians is the response's.
+/// The better of two means is the response's: medians do not see the flights that end badly.
 #[track_caller]
 fn gentler([with, without]: &[Vec<Ending>; 2], of: fn(&Ending) -> f64) {
-    let median = |endings: &[Ending]| Spread::of(endings.iter().map(of)).p50;
-    assert!(median(with) < median(without), "{} and {}", median(with), median(without));
+    let mean = |endings: &[Ending]| Spread::of(endings.iter().map(of)).mean;
+    assert!(mean(with) < mean(without), "{} and {}", mean(with), mean(without));
 }
 
 #[test]
@@ -71,13 +71,13 @@ fn without_an_engine_it_falls_upright() {
 
 #[test]
 fn a_weak_engine_lands_where_it_shows_before_the_last_burn() {
-    let endings = lands("failure-thrust", "thrust loss 70 %", 1, 1);
+    let endings = lands("failure-thrust", "thrust loss 70 %", 6, 4);
     gentler(&endings, |ending| ending.down_m_s);
 }
 
 #[test]
 fn a_brown_out_is_ridden_through_where_height_is_left() {
-    lands("failure-brownout", "brown-out 1 s", 8, -1);
+    lands("failure-brownout", "brown-out 1 s", 9, -1);
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn height_over_the_target_stands_in_for_the_altimeter() {
 
 #[test]
 fn a_filter_without_its_imu_lands_more_often_on_what_the_engine_really_does() {
-    let endings = lands("failure-imu", "IMU lost", 1, 1);
+    let endings = lands("failure-imu", "IMU lost", 6, 1);
     gentler(&endings, |ending| ending.tilt_deg);
 }
 
@@ -95,7 +95,7 @@ fn a_filter_without_its_imu_lands_more_often_on_what_the_engine_really_does() {
 fn a_stuck_pair_is_balanced() {
     let pitch = lands("failure-pair-pitch", "pair stuck, pitch", 11, 3);
     gentler(&pitch, |ending| ending.tilt_deg);
-    let roll = lands("failure-pair-roll", "pair stuck, roll", 11, 3);
+    let roll = lands("failure-pair-roll", "pair stuck, roll", 11, 1);
     gentler(&roll, |ending| ending.tilt_deg);
 }
 
@@ -117,7 +117,7 @@ fn a_guidance_that_lost_its_memory_starts_anew_and_lands() {
 
 #[test]
 fn slosh_and_erosion_are_no_reason_to_give_up() {
-    lands("failure-slosh", "slosh 20 deg", 6, -2);
+    lands("failure-slosh", "slosh 20 deg", 11, -2);
     lands("failure-erosion", "nozzle erosion", 9, -2);
 }
 
