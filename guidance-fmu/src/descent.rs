@@ -163,6 +163,36 @@ mod tests {
     }
 
     #[test]
+    fn a_lean_that_is_still_there_is_counted_as_speed() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);
+        let capability = Capability::nominal(task, &vehicle);
+        let nav = descending(&vehicle, 10.0, 7.0);
+        let asked_w = |lean_rad: f64| {
+            let axis_w = Vector3::new(libm::sin(lean_rad), 0.0, libm::cos(lean_rad));
+            let situation = Situation {
+                now: Ticks::ZERO,
+                vehicle: &vehicle,
+                nav: &nav,
+                task,
+                gravity_m_s2,
+                capability,
+                axis_w,
+            };
+            let engine = EngineEstimate::default();
+            let braking = &mut Braking { engine_on: true };
+            let asked = demand(&situation, &engine, Aim::Target(nav.position_w), braking);
+            asked.thrust_acceleration_w.unwrap()
+        };
+        let upright_w = asked_w(0.0);
+        assert_eq!(upright_w.xy().norm(), 0.0, "above the target, at rest across");
+        // (G.32), (G.99), written down again: 1.2/s times what 0.3 s of the lean give.
+        let leaning_w = asked_w(0.1);
+        let expected_m_s2 = -1.2 * 0.3 * libm::sin(0.1) * upright_w.z;
+        assert!((leaning_w.x - expected_m_s2).abs() < 1e-12, "{leaning_w} m/s²");
+    }
+
+    #[test]
     fn braking_follows_the_constant_deceleration_and_never_asks_for_less_than_the_floor() {
         let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
         let (task, gravity_m_s2) = (&scenario.guidance, scenario.gravity_m_s2);

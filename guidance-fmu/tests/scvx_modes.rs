@@ -51,6 +51,17 @@ fn fuel_and_flight_time_never_increase_with_tilt() {
     .holds(rises.into_iter().fold(0.0, f64::max));
 }
 
+/// Near the least tilt no guess leads to a plan at once (G.100), and a wider limit cannot cost more.
+#[test]
+fn an_engine_that_never_stops_has_plans_at_every_tilt_from_49_deg_on() {
+    let at = |half_deg: i32| found(&always_on(descent(), 0.5 * f64::from(half_deg), 259.5));
+    let sweep: Vec<Plan> = (98..=120).map(at).collect();
+    for pair in sweep.windows(2) {
+        // The planner's stopping rule on fuel.
+        assert!(pair[1].propellant_kg() <= pair[0].propellant_kg() * (1.0 + 2e-5));
+    }
+}
+
 /// With the engine on, a vehicle at rest can only sink where m g > ρ_min cos θ (G.20): beyond
 /// θ_crit = arccos(m g/ρ_min). The hop begins at rest, so the planner must say so on either side.
 #[test]

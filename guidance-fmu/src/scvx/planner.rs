@@ -15,6 +15,10 @@ use super::verify;
 /// Turn beyond its limit with which a warm plan is not taken unseen, rad: 6°, which the vehicle is behind by in a slew anyway.
 const TURN_EXCESS_MAX_RAD: f64 = 0.1;
 
+/// Tilt beyond its limit of the first plan on the way to one at the limit, rad: 8°, as far as guesses fail (50° for the reference
+/// descent) from where they do not (58°).
+const WIDER_RAD: f64 = 0.14;
+
 /// Plans from nothing: a relaxed solve gives the switching structure, a refined one the plan.
 ///
 /// # Errors
@@ -184,6 +188,11 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
             Err(error) => refusal = refusal.or(Some(error)),
         }
     }
+    if problem.propulsion == Propulsion::AlwaysOn
+        && let Some(plan) = narrowed(problem, settings)
+    {
+        return Ok(plan);
+    }
     let instead = refusal.unwrap_or_else(|| budget.exhausted());
     match wanted.broken_limit(problem) {
         Some(limit) if problem.propulsion != Propulsion::AlwaysOn => {
@@ -191,6 +200,31 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
         }
         _ => Err(instead),
     }
+}
+
+/// A plan for an engine that never stops, from plans at wider tilt limits (G.100): near the critical tilt (G.20) a
+/// linearisation about a guess leads nowhere, but a plan a degree away is near enough.
+fn narrowed(problem: &Problem, settings: &Settings) -> Option<Plan> {
+    let budget = &mut Budget::new(settings);
+    let grid = Grid::new(Structure::On, problem, settings);
+    let mut start = start::always_on(problem, &grid);
+    let (mut wider_rad, mut step_rad) = (WIDER_RAD, 0.5 * WIDER_RAD);
+    let mut reached_rad = None;
+    while !budget.spent() {
+        let tilt_max_rad = problem.tilt_max_rad + wider_rad;
+        let wider = Problem { tilt_max_rad, ..problem.clone() };
+        let purpose = Purpose::PlanFromGuess;
+        match attempt(&wider, settings, &grid, start.clone(), purpose, budget) {
+            Ok(plan) if wider_rad == 0.0 => return Some(plan),
+            Ok(plan) => {
+                start = start::from_plan(&wider, settings, &plan, 0.0)?.1;
+                reached_rad = Some(wider_rad);
+            }
+            Err(_) => step_rad *= 0.5,
+        }
+        wider_rad = (reached_rad? - step_rad).max(0.0);
+    }
+    None
 }
 
 /// How much a trajectory leaves to be wished for at the target and on the path, m and m/s alike.
