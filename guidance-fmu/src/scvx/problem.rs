@@ -243,7 +243,7 @@ pub struct Settings {
     pub single_burn_intervals: usize,
     /// Outer iterations of one loop.
     pub outer_max: u32,
-    /// Conic solves of one call, over all attempts.
+    /// Conic solves of one call, over all attempts; what is tried last, free fall or (G.100), has as many again.
     pub solves_max: u32,
     /// Interior-point iterations of one conic solve.
     pub solver_iterations_max: u32,
