@@ -28,3 +28,4 @@ mod scenarios;
 
 pub use mission::{Goal, Phase};
 pub use model::{Guidance, State};
+pub use planning::TURN_RAD_S;

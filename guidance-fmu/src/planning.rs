@@ -32,7 +32,7 @@ pub const FINAL_TILT_RAD: f64 = 0.07;
 const FINAL_TILT_INTERVALS: usize = 3;
 
 /// Planned turns of the thrust, rad/s: half the rate of a slew, for a turn begins and ends slower than it goes.
-const TURN_RAD_S: f64 = 0.25;
+pub const TURN_RAD_S: f64 = 0.25;
 
 /// The engine's switching limits. Valves need tenths of a second; the restarts cover a plan and
 /// three changes of mind.
@@ -301,6 +301,17 @@ mod tests {
             assert!(planning.flown.is_some(), "{terminal:?}");
             assert_eq!(planning.terminal, terminal);
         }
+    }
+
+    #[test]
+    fn a_plan_from_now_begins_where_the_vehicle_points_and_one_from_later_anywhere() {
+        let (scenario, vehicle) = Scenario::load(FILE.as_ref()).unwrap();
+        let nav = falling(&vehicle, 100.0, 70.0);
+        let axis_w = Vector3::new(-0.45, 0.0, 0.893).normalize();
+        let situation = Situation { axis_w, ..situation(&scenario, &vehicle, Ticks(0), &nav) };
+        let turn = |lead_s| problem(&situation, lead_s, Terminal::Point).turn.unwrap();
+        assert_eq!(turn(0.0), Turn { rate_max_rad_s: TURN_RAD_S, axis_w: Some(axis_w) });
+        assert_eq!(turn(1.0).axis_w, None);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 #[path = "../../../../guidance-fmu/tests/scvx_scenarios/mod.rs"]
 mod scvx_scenarios;
 
+use guidance_fmu::TURN_RAD_S;
 use guidance_fmu::scvx::{Plan, Problem, Settings, Turn, replan, solve};
 use serde::Serialize;
 
@@ -15,8 +16,6 @@ const FLOWN: u64 = 25;
 const PERIOD_S: f64 = 0.5;
 /// A plan with less than this to go is not replanned, s.
 const FREEZE_S: f64 = 2.0;
-/// Replans turn their thrust no faster than those that are flown (G.97).
-const TURN_RAD_S: f64 = 0.25;
 /// Calls of which the least time counts, so that a neighbour on the core is outlasted.
 const REPEATS: usize = 3;
 
@@ -58,6 +57,7 @@ impl Flight {
         while current.time_to_go(PERIOD_S) > FREEZE_S {
             let now = current.sample(PERIOD_S);
             (problem.r0_w, problem.v0_w, problem.mass_kg) = (now.r_w, now.v_w, now.mass_kg);
+            // As replans are flown (G.97).
             let axis_w = current.next_burn_direction(PERIOD_S);
             problem.turn = Some(Turn { rate_max_rad_s: TURN_RAD_S, axis_w });
             let ([least_s, _], found) =
