@@ -1,4 +1,4 @@
-"""The log in readers that nobody here wrote: Rerun, and the layout for Foxglove and Lichtblick."""
+"""The log in Rerun, which nobody here wrote, and the names in the layout."""
 
 import json
 import os

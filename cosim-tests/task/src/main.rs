@@ -10,6 +10,7 @@ mod steps;
 mod system;
 mod validation;
 mod verify;
+mod viewers;
 mod workspace;
 
 use std::ffi::OsString;

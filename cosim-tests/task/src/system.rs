@@ -14,9 +14,10 @@ enum Sign {
 }
 
 /// With the Debian packages that meet them: a browser for pages, a screen and a renderer for
-/// Rerun, Intel's threads for ecos, a C parser to build fmi-sim.
-const NEEDS: [(Sign, &str); 5] = [
+/// Rerun, Foxglove's installer, Intel's threads for ecos, a C parser to build fmi-sim.
+const NEEDS: [(Sign, &str); 6] = [
     (Sign::Program("chromium"), "chromium"),
+    (Sign::Program("npm"), "npm"),
     (Sign::Program("xvfb-run"), "xvfb"),
     (Sign::File("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"), "mesa-vulkan-drivers"),
     (Sign::Library("libtbb.so.12"), "libtbb12"),

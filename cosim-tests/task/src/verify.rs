@@ -8,11 +8,12 @@ use crate::python;
 use crate::steps::{Failure, Steps, run, say};
 use crate::system;
 use crate::validation::{self, Accept};
+use crate::viewers;
 use crate::workspace::Workspace;
 
 pub fn verify(accept: Accept) -> Result<u8, Failure> {
     let workspace = Workspace::find()?;
-    let mut steps = Steps::new(10);
+    let mut steps = Steps::new(11);
     let result = checks(&workspace, &mut steps, accept);
     summarise(&steps, result.is_ok());
     result.map(|()| 0)
@@ -34,6 +35,7 @@ fn checks(workspace: &Workspace, steps: &mut Steps, accept: Accept) -> Result<()
     let python = steps.run("Python environment", || python::environment(workspace))?;
     steps.run("system packages", system::packages)?;
     steps.run("fmi-sim", || importers::fmi_sim(workspace))?;
+    steps.run("Foxglove", || viewers::foxglove(workspace))?;
     steps.run("Python tests", || {
         let mut pytest = in_root(Command::new(python), workspace);
         pytest.args(["-m", "pytest", "--quiet", "cosim-tests/python/tests"]);
