@@ -4,8 +4,9 @@ mod scvx_scenarios;
 
 use claims::{Bound, Claim};
 use guidance_fmu::scvx::{
-    EngineState, Plan, PlanError, Problem, Propulsion, Settings, Structure, replan, solve,
+    EngineState, Plan, PlanError, Problem, Propulsion, Settings, Structure, disprove, replan, solve,
 };
+use nalgebra::Vector3;
 use scvx_scenarios::{descent, hop};
 
 fn found(problem: &Problem) -> Plan {
@@ -62,22 +63,67 @@ fn an_engine_that_never_stops_has_plans_at_every_tilt_from_49_deg_on() {
     }
 }
 
-/// With the engine on, a vehicle at rest can only sink where m g > ρ_min cos θ (G.20): beyond
-/// θ_crit = arccos(m g/ρ_min). The hop begins at rest, so the planner must say so on either side.
+/// With the engine on, a vehicle at rest can only sink where m g > ρ_min cos θ (G.20), beyond θ_crit = arccos(m g/ρ_min), and
+/// down to its target only if it gets there before it has burnt itself so light that the floor lifts it (G.102).
 #[test]
 fn the_critical_tilt_of_an_engine_that_is_always_on() {
+    let mut gaps_deg = Vec::new();
     for mass_kg in [259.5, 246.15, 240.0, 220.0, 200.0, 180.0] {
         let critical_deg = (mass_kg * 1.625 / 800.0_f64).acos().to_degrees();
-        // Either side by less than the table of the README shows.
-        let below = refusal(&always_on(hop(), critical_deg - 0.01, mass_kg));
+        let disproven = |tilt_deg: f64| {
+            matches!(disprove(&always_on(hop(), tilt_deg, mass_kg)), Err(PlanError::Tilt { .. }))
+        };
+        assert!(disproven(critical_deg - 1e-9), "{mass_kg} kg");
+        let least_deg = last(disproven, critical_deg, critical_deg + 2.0);
+        // The mass falls by 6 kg on the way, which raises the critical tilt by 1.2° at most.
+        assert!((0.3..1.2).contains(&(least_deg - critical_deg)), "{least_deg} for {critical_deg}");
+        let below = refusal(&always_on(hop(), least_deg, mass_kg));
         assert!(matches!(below, PlanError::Tilt { .. }), "{mass_kg} kg below: {below}");
-        let above = solve(&always_on(hop(), critical_deg + 0.01, mass_kg), &Settings::default());
-        assert!(!matches!(above, Err(PlanError::Tilt { .. })), "{mass_kg} kg above: {above:?}");
-        // The mass falls by the 6 kg of the flight, which raises the critical tilt by 1.2° at most;
-        // the rest is time to sink.
-        let plan = found(&always_on(hop(), critical_deg + 2.5, mass_kg));
-        assert_eq!(plan.structure, Structure::On);
+        let refused = |tilt_deg: f64| {
+            solve(&always_on(hop(), tilt_deg, mass_kg), &Settings::default()).is_err()
+        };
+        gaps_deg.push(last(refused, least_deg, least_deg + 2.0) - least_deg);
     }
+    Claim {
+        id: "critical-tilt",
+        section: "Guidance",
+        claim: "tilt limit from which a hop of 200 m is planned for an engine that never stops, over that up to which none exists",
+        reference: "least height that the floor lets it reach (G.102), six masses",
+        unit: "deg",
+        bound: Bound::AtMost(1.0),
+        origin: "the hop's way across, which the bound leaves out",
+        noise: 0.01,
+    }
+    .holds_for(gaps_deg);
+}
+
+/// The last value for which `holds` does, between one that does and one that does not.
+fn last(holds: impl Fn(f64) -> bool, from: f64, to: f64) -> f64 {
+    let (mut inside, mut outside) = (from, to);
+    assert!(holds(inside) && !holds(outside), "nothing ends between {from} and {to}");
+    while outside - inside > 1e-3 {
+        let middle = 0.5 * (inside + outside);
+        if holds(middle) { inside = middle } else { outside = middle }
+    }
+    inside
+}
+
+/// A floor that lifts an upright vehicle lets one sink that swings from side to side (G.101).
+#[test]
+fn an_engine_that_never_stops_swings_straight_down() {
+    let mut found = 0;
+    for (tilt_deg, speed_m_s) in
+        [(29.0, 15.5), (29.0, 16.0), (45.0, 11.5), (45.0, 12.5), (55.0, 9.0)]
+    {
+        let (r0_w, v0_w) = (Vector3::new(0.0, 0.0, 100.0), Vector3::new(0.0, 0.0, -speed_m_s));
+        let straight = Problem { r0_w, v0_w, ..descent() };
+        let upright = disprove(&always_on(straight.clone(), 1.0, 259.5));
+        assert!(matches!(upright, Err(PlanError::Tilt { .. })), "{upright:?}");
+        let plan = solve(&always_on(straight, tilt_deg, 259.5), &Settings::default());
+        found += u32::from(plan.is_ok());
+    }
+    // Three of the five; upright guesses alone lead to none.
+    assert!(found >= 3, "{found}");
 }
 
 #[test]

@@ -53,6 +53,22 @@ impl Limit {
     }
 }
 
+pub fn read_table(file: &Path) -> Result<Table, ConfigError> {
+    let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
+        file: file.to_owned(),
+        reason: error.to_string(),
+    })?;
+    parse_table(file, &text)
+}
+
+/// As `read_table`, from text in memory; `file` only names it in errors.
+pub fn parse_table(file: &Path, text: &str) -> Result<Table, ConfigError> {
+    text.parse().map_err(|error: toml::de::Error| ConfigError::Syntax {
+        file: file.to_owned(),
+        reason: error.to_string().trim().replace('\n', " "),
+    })
+}
+
 /// One table of a file. Every key that nobody asked for is an error at `finish`.
 pub struct Section {
     file: PathBuf,
@@ -66,11 +82,7 @@ pub struct Section {
 impl Section {
     /// The root table of `file`. With `provenance`, numbers need `source` and `grade`.
     pub fn read(file: &Path, provenance: bool) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
-            file: file.to_owned(),
-            reason: error.to_string(),
-        })?;
-        Self::parse(file, &text, provenance)
+        Ok(Self::of(file, read_table(file)?, provenance))
     }
 
     /// As `read`, with changes applied to what the file says (`crate::changes`).
@@ -82,11 +94,7 @@ impl Section {
 
     /// As `read`, from text already in memory; `file` only names it.
     pub fn parse(file: &Path, text: &str, provenance: bool) -> Result<Self, ConfigError> {
-        let table = text.parse::<Table>().map_err(|error| ConfigError::Syntax {
-            file: file.to_owned(),
-            reason: error.to_string().trim().replace('\n', " "),
-        })?;
-        Ok(Self::of(file, table, provenance))
+        Ok(Self::of(file, parse_table(file, text)?, provenance))
     }
 
     /// As `read`, from a table already in memory; `file` only names it.

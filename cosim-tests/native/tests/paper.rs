@@ -72,7 +72,7 @@ fn not_finite(text: &str) -> bool {
 }
 
 /// What must be in the report, by the beginning of its heading.
-const CHAPTERS: [&str; 14] = [
+const CHAPTERS: [&str; 15] = [
     "Static tip-over",
     "Dynamic tip-over",
     "Vehicle parameters",
@@ -82,6 +82,7 @@ const CHAPTERS: [&str; 14] = [
     "ΔV",
     "Convexification",
     "Critical tilt",
+    "Feasible speeds",
     "Tilt sweep",
     "Hop trajectories",
     "Perturbations",
@@ -206,9 +207,23 @@ fn closed_forms(tables: &BTreeMap<String, String>) {
         let weight = number(&row[0]) * 1.625;
         // The mass is shown to 0.01 kg: 2e-3 deg.
         close(&row[2], (weight / 800.0).acos().to_degrees(), 8e-3);
-        close(&row[6], (weight / 1260.0).acos().to_degrees(), 8e-3);
-        assert_eq!(row[3], "yes");
-        assert!(number(&row[4]) > number(&row[2]), "from rest, more than the critical tilt");
+        close(&row[7], (weight / 1260.0).acos().to_degrees(), 8e-3);
+        let [critical, none, found] = [2, 3, 4].map(|cell| number(&row[cell]));
+        assert!(critical < none && none < found, "from rest, more than the critical tilt: {row:?}");
+        assert!(number(&row[5]) < number(&row[6]), "{row:?}");
+    }
+    for row in table("feasible-band") {
+        // Without mass flow, v² = 2 h (T cos θ/m − g); a mass that falls needs some percent more.
+        let braked = |thrust: f64, tilt: f64| {
+            (2.0 * number(&row[0]) * (thrust * tilt.to_radians().cos() / 259.5 - 1.625)).sqrt()
+        };
+        let [greatest, least] = [1, 3].map(|cell| number(&row[cell]));
+        assert!((1.0..1.05).contains(&(greatest / braked(5200.0, 0.0))), "{row:?}");
+        assert!((1.0..1.05).contains(&(least / braked(800.0, 29.0))), "{row:?}");
+        for (planned, bound) in [(4, 3), (6, 5), (8, 7), (10, 9)] {
+            assert!(number(&row[planned]) >= number(&row[bound]), "{row:?}");
+        }
+        assert!((0.99..=1.0).contains(&(number(&row[2]) / greatest)), "{row:?}");
     }
     // Table IV as printed; the mid row within 0.3 % (models/tests/paper.rs), lateral within its two roundings.
     for row in table("mass-properties") {

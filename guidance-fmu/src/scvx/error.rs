@@ -30,12 +30,17 @@ pub enum PlanError {
     /// No trajectory found stays inside the glide-slope cone.
     #[error("infeasible: {outside_m:.3} m outside the glide slope at t = {t_s:.2} s")]
     GlideSlope { outside_m: f64, t_s: f64 },
-    /// The engine never stops and its floor within the tilt limit always accelerates upwards.
+    /// Proven: an engine that never stops, at its floor and tilted to its limit, lifts the vehicle from above the target (G.102).
     #[error(
-        "infeasible: at tilt ≤ {tilt_max_rad:.3} rad and without a coast the net upward \
-         acceleration is at least {net_up_m_s2:.3} m/s², limit 0; miss {miss_m:.3} m"
+        "infeasible: without a coast, at tilt ≤ {tilt_max_rad:.3} rad, the descent ends {above_m:.3} m above the target \
+         at t = {t_s:.2} s or higher"
     )]
-    Tilt { tilt_max_rad: f64, net_up_m_s2: f64, miss_m: f64 },
+    Tilt { tilt_max_rad: f64, above_m: f64, t_s: f64 },
+    /// No flight at the floor of an engine that never stops was found, and none is disproven.
+    #[error(
+        "not found: without a coast the target is missed by {miss_m:.3} m and {miss_m_s:.3} m/s"
+    )]
+    Floor { miss_m: f64, miss_m_s: f64 },
     /// The order of burns and coasts that the flight needs breaks a limit of the propulsion mode,
     /// and the orders that are left, if any, fail too.
     #[error(

@@ -22,6 +22,7 @@ mod trajectory;
 mod turn;
 mod verify;
 
+pub use bounds::disprove;
 pub(crate) use conic::Affine;
 pub use conic::{ConicSolver, Program, Solution};
 pub use error::PlanError;

@@ -138,7 +138,7 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
     if problem.propulsion == Propulsion::AlwaysOn && problem.thrust_min_n > 0.0 {
         // No structure to find; the relaxed solve is the second chance.
         let grid = Grid::new(Structure::On, problem, settings);
-        let guess = start::always_on(problem, &grid);
+        let guess = start::never_off(problem, &grid);
         let direct = Settings { outer_max: settings.outer_max / 2, ..settings.clone() };
         if let Ok(plan) = attempt(problem, &direct, &grid, guess, Purpose::PlanFromGuess, budget) {
             return Ok(plan);
@@ -207,7 +207,7 @@ fn cold(problem: &Problem, settings: &Settings, budget: &mut Budget) -> Result<P
 fn narrowed(problem: &Problem, settings: &Settings) -> Option<Plan> {
     let budget = &mut Budget::new(settings);
     let grid = Grid::new(Structure::On, problem, settings);
-    let mut start = start::always_on(problem, &grid);
+    let mut start = start::never_off(problem, &grid);
     let (mut wider_rad, mut step_rad) = (WIDER_RAD, 0.5 * WIDER_RAD);
     let mut reached_rad = None;
     while !budget.spent() {

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use super::bounds;
 use super::plan::{Phase, Plan};
 use super::problem::{Problem, Settings, Terminal};
 use super::propulsion::PHASE_REMAINDER_MIN_S;
@@ -30,7 +31,7 @@ pub(super) fn finite_burns(problem: &Problem, grid: &Grid, impulsive_s: f64) -> 
 
 /// Minimum-energy guess for an engine that never stops: the flight time that is cheapest with the
 /// thrust raised to its floor and the upward impulse to what the tilt limit makes of it (G.46).
-pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
+fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
     /// Price of upward impulse that is not wanted, against Δv: no flight can have it.
     const UPWARD_WEIGHT: f64 = 2.0;
     let floor_m_s2 = problem.thrust_min_n / problem.mass_kg;
@@ -39,6 +40,28 @@ pub(super) fn always_on(problem: &Problem, grid: &Grid) -> Iterate {
         let upward = |h: f64, w_z: f64| (libm::cos(problem.tilt_max_rad) * h - w_z).max(0.0);
         raised.map(|(h, w_z)| h + UPWARD_WEIGHT * upward(h, w_z)).sum()
     })
+}
+
+/// A guess for an engine that never stops: (G.46), leaning to and fro if upright the floor would lift it (G.101). About
+/// upright impulses no sideways one changes the magnitude in first order, so no step would ever lean.
+pub(super) fn never_off(problem: &Problem, grid: &Grid) -> Iterate {
+    /// Lean of the tilt limit.
+    const SHARE: f64 = 0.7;
+    /// Sideways against upward, below which the guess stands upright.
+    const UPRIGHT: f64 = 1e-3;
+    let guess = always_on(problem, grid);
+    let upright = Problem { tilt_max_rad: 0.0, reserve: None, ..problem.clone() };
+    let leans = guess.w_w.iter().any(|w| w.xy().norm() > UPRIGHT * w.z.abs());
+    if leans || bounds::lifted_at_rest(&upright).is_ok() {
+        return guess;
+    }
+    let sideways = libm::tan(SHARE * problem.tilt_max_rad);
+    let count = guess.w_w.len();
+    // Quarters +, -, -, +: neither a change of velocity nor, with equal impulses, of position.
+    let sense = |j: usize| if (1..3).contains(&(4 * j / count)) { -1.0 } else { 1.0 };
+    let lean = |(j, w): (usize, &Vector3<f64>)| w + Vector3::x() * (sense(j) * sideways * w.z);
+    let w_w = guess.w_w.iter().enumerate().map(lean).collect();
+    Iterate::lossless(guess.step_s, w_w)
 }
 
 /// The guess (G.19) of least `price` among `count` flight times.

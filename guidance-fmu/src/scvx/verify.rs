@@ -3,6 +3,7 @@
 
 use nalgebra::{SVector, Vector3};
 
+use super::bounds;
 use super::error::PlanError;
 use super::plan::Plan;
 use super::problem::Problem;
@@ -145,18 +146,16 @@ pub(super) fn accept(problem: &Problem, plan: &Plan) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Why the target is missed: a plan without a coast that clings to the floor because the floor
-/// lifts the vehicle at any allowed tilt (G.20), or limits that are too tight in some other way.
+/// Why the target is missed: a plan without a coast that clings to the floor, which lifts the vehicle at any allowed
+/// tilt (G.102) or may do so, or limits that are too tight in some other way.
 fn out_of_reach(problem: &Problem, plan: &Plan) -> PlanError {
     let (miss_m, miss_m_s) = (plan.report.miss_m, plan.report.miss_m_s);
-    let tilt_max_rad = problem.tilt_max_rad;
-    let floor_m_s2 = problem.thrust_min_n * libm::cos(tilt_max_rad) / problem.mass_kg;
-    let net_up_m_s2 = floor_m_s2 - problem.gravity_m_s2;
     let thrusts_n = plan.nodes.iter().map(|node| plan.sample(node.t_s).thrust_n);
     let mean_n = thrusts_n.sum::<f64>() / plan.nodes.len() as f64;
     let near_floor = mean_n < 0.5 * (problem.thrust_min_n + problem.thrust_max_n);
-    if plan.structure == Structure::On && net_up_m_s2 >= 0.0 && near_floor {
-        PlanError::Tilt { tilt_max_rad, net_up_m_s2, miss_m }
+    if plan.structure == Structure::On && problem.thrust_min_n > 0.0 && near_floor {
+        let undecided = PlanError::Floor { miss_m, miss_m_s };
+        bounds::lifted_at_rest(problem).err().unwrap_or(undecided)
     } else {
         PlanError::Target { miss_m, miss_m_s }
     }

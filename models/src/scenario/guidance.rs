@@ -77,7 +77,7 @@ pub(super) fn read(root: &Section, vehicle: &Vehicle) -> Result<Guidance, Config
             "plan_thrust_min",
             "N",
             Limit::Within(floor_n, plan_thrust_max_n),
-            900.0,
+            1.125 * floor_n,
         )?,
         plan_thrust_max_n,
         compensation: s.choice("compensation", &["on", "off"])? == "on",

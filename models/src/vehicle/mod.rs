@@ -1,5 +1,6 @@
 //! The vehicle file: every number with unit, source and grade.
 
+mod base;
 mod curve;
 mod engine;
 mod gear;
@@ -25,7 +26,7 @@ pub use sensors::{
 pub use slosh::{MAX_TANKS, Slosh};
 
 use crate::mass::MassModel;
-use crate::quantity::{ConfigError, Limit, Section};
+use crate::quantity::{ConfigError, Limit, Section, parse_table, read_table};
 
 /// Standard gravity of the I_sp definition, m/s² (CGPM 1901).
 pub const G0_M_S2: f64 = 9.80665;
@@ -48,12 +49,17 @@ pub struct Vehicle {
 
 impl Vehicle {
     pub fn load(file: &Path) -> Result<Self, ConfigError> {
-        Self::from_section(Section::read(file, true)?)
+        Self::of(file, Self::table(file)?)
     }
 
-    /// Parses `text`; `file` only names it in errors.
+    /// What `file` and those it is based on say.
+    pub fn table(file: &Path) -> Result<Table, ConfigError> {
+        base::resolve(file, read_table(file)?)
+    }
+
+    /// Parses `text`; `file` names it in errors, and a base is looked for beside it.
     pub fn parse(file: &Path, text: &str) -> Result<Self, ConfigError> {
-        Self::from_section(Section::parse(file, text, true)?)
+        Self::of(file, base::resolve(file, parse_table(file, text)?)?)
     }
 
     /// As `load`, from a table in memory; `file` only names it in errors.

@@ -32,7 +32,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut rows = Vec::new();
     for (feedback, mode, _) in MODES {
         for replan_s in CADENCE_S {
-            let Some(flown) = flights.of(Scheme { replan_s, feedback }) else { continue };
+            let Some(flown) = flights.of(Scheme::of(replan_s, feedback)) else { continue };
             let as_printed = !feedback && replan_s == printed_s;
             let paper = if feedback {
                 "no such law in it".to_owned()
@@ -122,7 +122,7 @@ fn curves(flights: &Flights) -> Figure {
     for (feedback, mode, colour) in MODES {
         let mut points: [Vec<[f64; 4]>; 3] = Default::default();
         for replan_s in CADENCE_S {
-            let Some(flown) = flights.of(Scheme { replan_s, feedback }) else { continue };
+            let Some(flown) = flights.of(Scheme::of(replan_s, feedback)) else { continue };
             let (miss, down) = (
                 mean(flown.sorted("position_error_m")),
                 quantile(flown.sorted("contact_speed_down_m_s"), 0.99),

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::chapter::{Chapter, cell};
 use super::drawing::{COLOURS, key};
-use super::flights::{CLOSED_LOOP, Flights, Flown, OPEN_LOOP, PAPER};
+use super::flights::{AS_FIRED, CLOSED_LOOP, Flights, Flown, OPEN_LOOP, PAPER};
 use super::problems::{Start, plan, problem};
 use super::three_dof::{self, End, Scheme};
 use super::{Error, Inputs};
@@ -17,11 +17,12 @@ use crate::statistics::quantile::{Bounded, bootstrap, quantile};
 use crate::study::summary::Group;
 use crate::svg::{Frame, picture};
 
-/// The three schemes as they are called, with their colours.
-pub const SCHEMES: [(&str, super::flights::Scheme, &str); 3] = [
+/// The schemes as they are called, with their colours.
+pub const SCHEMES: [(&str, super::flights::Scheme, &str); 4] = [
     ("open loop", OPEN_LOOP, COLOURS[5]),
     ("10 s, as the paper", PAPER, COLOURS[3]),
     ("this kit's closed loop", CLOSED_LOOP, COLOURS[1]),
+    ("the same, engine as fired", AS_FIRED, COLOURS[2]),
 ];
 
 /// Mean of a sample with its 95 % bootstrap bounds.
@@ -69,6 +70,7 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         ("open loop, own start's plan", unprinted(), Some(Scheme::KnownStart), Some(OPEN_LOOP)),
         ("10 s, as the paper", closed_m, Some(Scheme::Replanned(period_s)), Some(PAPER)),
         ("this kit's closed loop", unprinted(), None, Some(CLOSED_LOOP)),
+        ("the same, engine as fired", unprinted(), None, Some(AS_FIRED)),
     ];
     let mut errors = Vec::new();
     for (name, printed, paper, scheme) in lines {

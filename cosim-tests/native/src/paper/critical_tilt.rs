@@ -1,6 +1,6 @@
 //! Equation (eq:feasibility): the tilt beyond which an engine that never stops can sink.
 
-use guidance_fmu::scvx::PlanError;
+use guidance_fmu::scvx::disprove;
 
 use super::chapter::{Chapter, cell};
 use super::drawing::{COLOURS, key};
@@ -42,6 +42,20 @@ fn least_deg(inputs: &Inputs, start: Start, mass_kg: f64) -> Result<Option<f64>,
     Ok(Some(works))
 }
 
+/// Greatest tilt limit, deg, at which such a flight is disproven (G.102).
+fn disproven_deg(inputs: &Inputs, start: Start, mass_kg: f64) -> Result<f64, Error> {
+    let problem = problem(start, &inputs.bug, &inputs.printed)?;
+    let (mut refused, mut open) = (0.0, WIDEST_DEG);
+    while open - refused > 0.1 * RESOLUTION_DEG {
+        let middle = 0.5 * (refused + open);
+        match disprove(&always_on(&problem, middle, mass_kg)) {
+            Ok(()) => open = middle,
+            Err(_) => refused = middle,
+        }
+    }
+    Ok(refused)
+}
+
 /// # Errors
 /// A printed number that is missing.
 pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
@@ -52,14 +66,9 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let printed_deg = printed.number("critical_tilt", "deg")?;
     let [fired_n, _] = printed.row::<2>("hot_fire_thrust", "N")?;
     let crossing_kg = floor_n * libm::cos(wide_deg.to_radians()) / gravity;
-    let hop = problem(Start::Hop, bug, printed)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for mass_kg in [wet_kg, crossing_kg, 220.0, 200.0, dry_kg + 12.0] {
         let formula_deg = critical_deg(mass_kg, gravity, floor_n);
-        let refused = |tilt_deg: f64| {
-            matches!(plan(&always_on(&hop, tilt_deg, mass_kg)), Err(PlanError::Tilt { .. }))
-        };
-        let both_sides = refused(formula_deg - 0.01) && !refused(formula_deg + 0.01);
         let least =
             [least_deg(inputs, Start::Hop, mass_kg)?, least_deg(inputs, Start::Descent, mass_kg)?];
         let word = |deg: Option<f64>| deg.map_or("none".to_owned(), |deg| cell(deg, 1));
@@ -67,8 +76,9 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
             cell(mass_kg, 2),
             if mass_kg == wet_kg { cell(printed_deg, 0) } else { "not printed".to_owned() },
             cell(formula_deg, 2),
-            if both_sides { "yes" } else { "no" }.to_owned(),
+            cell(disproven_deg(inputs, Start::Hop, mass_kg)?, 2),
             word(least[0]),
+            cell(disproven_deg(inputs, Start::Descent, mass_kg)?, 2),
             word(least[1]),
             cell(critical_deg(mass_kg, gravity, fired_n), 2),
         ]);
@@ -77,15 +87,17 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Critical tilt: equation (eq:feasibility)");
     chapter.table(
         "critical-tilt",
-        "θ_crit = arccos(m g/ρ_min), and the least tilt limit at which the planner finds a \
-         flight with the engine always on.",
+        "θ_crit = arccos(m g/ρ_min); the tilt limit up to which no flight with the engine always on \
+         exists, because the floor ends every descent above the target (guidance-fmu/README.md, \
+         G.102), and the limit from which the planner finds one.",
         &[
             "mass, kg",
             "printed, deg",
             "paper's formula, deg",
-            "planner's verdict on a hop changes within 0.01° of it",
-            "least for the hop, deg",
-            "least for the descent, deg",
+            "hop: none up to (proven), deg",
+            "hop: planned from, deg",
+            "descent: none up to (proven), deg",
+            "descent: planned from, deg",
             "formula at 1,260 N, the least thrust fired, deg",
         ],
         rows,

@@ -5,6 +5,8 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use lander_models::vehicle::{Engine, Vehicle};
+
 use crate::landing::Error;
 use crate::study::campaign::{Campaign, End};
 use crate::study::data::{self, Data, Words};
@@ -13,6 +15,8 @@ use crate::study::{Study, StudyError, table};
 
 /// The study that every scheme flies: its disturbances and failure modes.
 const BASE: &str = "campaigns/paper-monte-carlo.toml";
+/// The vehicle that `as_fired` takes the engine's range from.
+const DEMONSTRATED: &str = "vehicles/bug-demonstrated.toml";
 /// Longer than any flight.
 const NEVER_S: f64 = 60.0;
 
@@ -24,23 +28,32 @@ pub struct Scheme {
     /// Whether plans are followed with feedback, engine errors compensated, failures answered and the terminal law
     /// lands; else each plan's thrust is flown as it stands.
     pub feedback: bool,
+    /// Whether the engine's range is the one that was fired, not the one designed.
+    pub as_fired: bool,
 }
 
 /// One plan, its thrust flown to the end.
-pub const OPEN_LOOP: Scheme = Scheme { replan_s: NEVER_S, feedback: false };
+pub const OPEN_LOOP: Scheme = Scheme::of(NEVER_S, false);
 /// The paper's: a plan each ten seconds, its thrust flown in between.
-pub const PAPER: Scheme = Scheme { replan_s: 10.0, feedback: false };
+pub const PAPER: Scheme = Scheme::of(10.0, false);
 /// This kit's.
-pub const CLOSED_LOOP: Scheme = Scheme { replan_s: 0.5, feedback: true };
+pub const CLOSED_LOOP: Scheme = Scheme::of(0.5, true);
+/// This kit's, with BUG as it was demonstrated.
+pub const AS_FIRED: Scheme = Scheme { as_fired: true, ..CLOSED_LOOP };
 /// Replanning periods of the sweep, s.
 pub const CADENCE_S: [f64; 5] = [10.0, 5.0, 2.0, 1.0, 0.5];
 
 impl Scheme {
+    pub const fn of(replan_s: f64, feedback: bool) -> Self {
+        Self { replan_s, feedback, as_fired: false }
+    }
+
     pub fn name(&self) -> String {
         let laws = if self.feedback { "feedback" } else { "plan-only" };
+        let engine = if self.as_fired { "-as-fired" } else { "" };
         match self.replan_s {
-            NEVER_S => format!("open-loop-{laws}"),
-            period_s => format!("{laws}-{}ms", (1e3 * period_s).round()),
+            NEVER_S => format!("open-loop-{laws}{engine}"),
+            period_s => format!("{laws}-{}ms{engine}", (1e3 * period_s).round()),
         }
     }
 
@@ -56,16 +69,24 @@ impl Scheme {
             .replacen("name = \"paper-monte-carlo\"", &format!("name = \"{}\"", self.name()), 1)
             .replacen("runs = { value = 1000,", &format!("runs = {{ value = {runs},"), 1);
         let design = |key: &str, value: &str| {
-            format!(
-                "\n[[design]]\nkey = \"scenario.guidance.{key}\"\ndistribution = \
-                 \"constant\"\nvalue = {value}\n"
-            )
+            format!("\n[[design]]\nkey = \"{key}\"\ndistribution = \"constant\"\nvalue = {value}\n")
         };
-        text +=
-            &design("replan_period", &format!("{{ value = {:?}, unit = \"s\" }}", self.replan_s));
+        let number = |value: f64, unit: &str| format!("{{ value = {value:?}, unit = \"{unit}\" }}");
+        text += &design("scenario.guidance.replan_period", &number(self.replan_s, "s"));
         let word = if self.feedback { "\"on\"" } else { "\"off\"" };
         for law in ["compensation", "tracking", "terminal_law", "fault_response"] {
-            text += &design(law, word);
+            text += &design(&format!("scenario.guidance.{law}"), word);
+        }
+        if self.as_fired {
+            let Engine { thrust_min_n, thrust_max_n, dead_zone_n, .. } =
+                Vehicle::load(&models.join(DEMONSTRATED))?.engine;
+            for (key, thrust_n) in [
+                ("thrust_max", thrust_max_n),
+                ("thrust_min", thrust_min_n),
+                ("dead_zone", dead_zone_n),
+            ] {
+                text += &design(&format!("vehicle.engine.{key}"), &number(thrust_n, "N"));
+            }
         }
         Study::parse(&file, &text)
     }
@@ -90,7 +111,7 @@ pub struct Flown {
     sorted: BTreeMap<&'static str, Vec<f64>>,
 }
 
-/// All landings of the report: of N runs the open loop, the paper's and this kit's, and a fifth as many, 20 at least,
+/// All landings of the report: of N runs the open loop, the paper's and this kit's with either engine, and a fifth as many, 20 at least,
 /// of every other cadence.
 pub struct Flights(Vec<Flown>);
 
@@ -107,10 +128,10 @@ impl Flights {
         interrupted: &AtomicBool,
     ) -> Result<Option<Self>, Error> {
         let fewer = (runs / 5).max(20).min(runs);
-        let main = [OPEN_LOOP, PAPER, CLOSED_LOOP];
+        let main = [OPEN_LOOP, PAPER, CLOSED_LOOP, AS_FIRED];
         let sweep = [false, true]
             .into_iter()
-            .flat_map(|feedback| CADENCE_S.map(|replan_s| Scheme { replan_s, feedback }));
+            .flat_map(|feedback| CADENCE_S.map(|replan_s| Scheme::of(replan_s, feedback)));
         let mut schemes: Vec<(Scheme, u64)> = main.map(|scheme| (scheme, runs)).to_vec();
         schemes.extend(sweep.filter(|scheme| !main.contains(scheme)).map(|scheme| (scheme, fewer)));
         let count = schemes.len();

@@ -21,7 +21,7 @@ const ROWS: [(&str, &str); 16] = [
     ("Fig. 6, hop over the tilt limit", "Tilt sweep; Hop trajectories"),
     ("Fig. 7, closed loop against open loop", "Monte Carlo"),
     ("ΔV, equation (1)", "ΔV"),
-    ("θ_crit, equation (eq:feasibility)", "Critical tilt"),
+    ("θ_crit, equation (eq:feasibility)", "Critical tilt; Feasible speeds"),
 ];
 
 pub fn table() -> Table {

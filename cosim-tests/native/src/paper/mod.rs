@@ -12,6 +12,7 @@ mod critical_tilt;
 mod delta_v;
 mod drawing;
 mod dynamic_tip;
+mod feasible_band;
 mod flights;
 mod hop;
 mod index;
@@ -119,7 +120,7 @@ impl Order {
 type Make = fn(&Inputs) -> Result<Chapter, Error>;
 
 /// In the order of the paper.
-const CHAPTERS: [Make; 14] = [
+const CHAPTERS: [Make; 15] = [
     tip_over::chapter,
     dynamic_tip::chapter,
     parameters::vehicle,
@@ -129,6 +130,7 @@ const CHAPTERS: [Make; 14] = [
     delta_v::chapter,
     convexification::chapter,
     critical_tilt::chapter,
+    feasible_band::chapter,
     tilt_sweep::chapter,
     hop::chapter,
     parameters::perturbations,

@@ -289,10 +289,10 @@ pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
             [
                 ends(fired_n, 0),
                 format!("ratio {}", cell(fired_n[1] / fired_n[0], 2)),
-                "not a model".into(),
+                "vehicles/bug-demonstrated.toml".into(),
             ],
             "said to exceed 800 to 5200 N; the lower end was not shown: the ratio fired is 4.5, \
-             not 6.5",
+             not 6.5. Flown with that range too: Monte Carlo, \"engine as fired\"",
         ),
     ];
     chapter.table(

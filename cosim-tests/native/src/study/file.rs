@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use lander_models::quantity::{ConfigError, Limit, Section};
+use lander_models::quantity::{ConfigError, Limit, Section, parse_table, read_table};
 use lander_models::{Scenario, Vehicle};
 use sha2::{Digest, Sha256};
 use toml::{Table, Value as Toml};
@@ -125,7 +125,7 @@ impl Study {
         let scenario = read_table(&scenario_file)?;
         let vehicle_name = Section::of(&scenario_file, scenario.clone(), false).text("vehicle")?;
         let vehicle_file = scenario_file.parent().unwrap_or(Path::new("")).join(vehicle_name);
-        let vehicle = read_table(&vehicle_file)?;
+        let vehicle = Vehicle::table(&vehicle_file)?;
         let mut parameters = Vec::new();
         for (list, known) in [("design", true), ("dispersion", false)] {
             for s in root.sections(list)? {
@@ -291,17 +291,6 @@ fn unreadable(file: &Path, error: &std::io::Error) -> ConfigError {
 
 fn read_text(file: &Path) -> Result<String, ConfigError> {
     std::fs::read_to_string(file).map_err(|error| unreadable(file, &error))
-}
-
-fn parse_table(file: &Path, text: &str) -> Result<Table, ConfigError> {
-    text.parse().map_err(|error: toml::de::Error| ConfigError::Syntax {
-        file: file.to_owned(),
-        reason: error.to_string().trim().replace('\n', " "),
-    })
-}
-
-fn read_table(file: &Path) -> Result<Table, ConfigError> {
-    parse_table(file, &read_text(file)?)
 }
 
 /// `[case]`: columns of the contact state that every run has unless it draws them.
