@@ -28,7 +28,7 @@ use truth_model::terrain::Ground;
 const OK: u8 = 0;
 const GATE_NOT_PASSED: u8 = 1;
 /// 128 + SIGINT, as a shell reports it.
-const INTERRUPTED: u8 = 130;
+pub const INTERRUPTED: u8 = 130;
 
 /// The kit's files, in the folder of its workspace.
 const SCENARIOS: &str = "models/scenarios";
@@ -157,6 +157,14 @@ impl Cli {
     }
 }
 
+/// Set by the first Ctrl-C.
+fn interruption() -> Result<Arc<AtomicBool>, Error> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    Ok(interrupted)
+}
+
 /// A whole number of ticks, at least one.
 fn stop_time(text: &str) -> Result<Ticks, String> {
     let seconds: f64 = text.parse().map_err(|_| "must be a number".to_owned())?;
@@ -217,9 +225,7 @@ fn run(
     mut watch: impl FnMut(&[f64]),
 ) -> Result<(), Error> {
     let mut master = Master::new::<TruthModel, Guidance>(schedule, settings)?;
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let interrupted = interruption()?;
     master.run(landing.stop_time(), |row| {
         landing.row(row)?;
         watch(row);

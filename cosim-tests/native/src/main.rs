@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cosim::landing::Error;
+use cosim::study::StudyError;
 
 /// Bad input, or a run that failed.
 const FAILED: u8 = 2;
@@ -20,8 +21,11 @@ fn main() -> ExitCode {
         Err(Error::MasterFailed) => FAILED.into(),
         Err(error) => {
             // With stderr closed there is nobody to tell, and the exit code still says it.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
-            FAILED.into()
+            let interrupted = matches!(error, Error::Study(StudyError::Interrupted));
+            let (what, code) =
+                if interrupted { ("", cli::INTERRUPTED) } else { ("error: ", FAILED) };
+            let _ = writeln!(std::io::stderr(), "{what}{error}");
+            code.into()
         }
     }
 }

@@ -287,6 +287,16 @@ pub fn place(scenario: Scenario, vehicle: &Vehicle, case: &Case) -> TruthModel {
     TruthModel::new(scenario, vehicle.clone())
 }
 
+/// Columns of a case that a scenario has too, and their keys there.
+pub const OF_SCENARIO: [(&str, &str); 6] = [
+    ("propellant_kg", "initial.propellant"),
+    ("gravity_m_s2", "site.gravity"),
+    ("slope_deg", "terrain.slope"),
+    ("downhill_deg", "terrain.downhill_azimuth"),
+    ("friction", "terrain.friction"),
+    ("captured", "terrain.pads"),
+];
+
 /// What a scenario has of a case: its site and propellant. Upright and without speed.
 pub fn case_of(scenario: &Scenario) -> Case {
     let terrain = &scenario.terrain;

@@ -350,6 +350,23 @@ fn wrong_studies_are_refused_before_the_first_run() {
         ("value = 7, unit", "value = 7.5, unit", ["seed", "must be a whole number"]),
         ("name = \"drops\"", "name = \"a/b\"", ["name", "must be fit for a folder"]),
         ("case.down_m_s", "case.friction", ["case.friction", "must be in \"1\""]),
+        // What no run would notice.
+        ("scenario.terrain.pads", "scenario.vehicle", ["scenario.vehicle", "before any draw"]),
+        ("scenario.terrain.pads", "scenario.run.seed", ["scenario.run.seed", "each run's own"]),
+        ("scenario.terrain.pads", "scenario.name", ["scenario.name", "changes no run"]),
+        (
+            "scenario.terrain.pads",
+            "scenario.initial.velocity_w[1]",
+            ["initial.velocity_w[1]", "no part of a touchdown"],
+        ),
+        ("scenario.terrain.pads", "scenario.guidance.mode", ["guidance", "no part of a touchdown"]),
+        ("scenario.terrain.pads", "scenario.terrain.slope", ["slope", "by `case.slope_deg`"]),
+        ("\"captured\"]", "\"a, b\"]", ["values", "no commas"]),
+        (
+            "high = { value = 1.5, unit = \"m/s\" }",
+            "high = { value = 1.5, unit = \"m/s\" }\nstep = { value = 5.0, unit = \"m/s\" }",
+            ["step", "at most half"],
+        ),
     ] {
         assert!(text().contains(from), "{from}");
         let error = refusal(&folder, &text().replacen(from, to, 1));

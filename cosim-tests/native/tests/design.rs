@@ -251,6 +251,11 @@ fn wrong_axes_are_refused_before_the_first_run() {
         ),
         ("times = {", "time = {", ["axis[2].with[1].time`", "is not known"]),
         ("seed = {", "sampling = \"sobol\"\nseed = {", ["`sampling`", "no axes"]),
+        (
+            "key = \"vehicle.mass.dry_com_b[3]\"\nas = \"added\"",
+            "key = \"case.across_m_s\"\nbaseline = { value = 0.0, unit = \"m\" }",
+            ["`case.across_m_s`", "is an axis already"],
+        ),
     ] {
         assert!(text().contains(from), "{from}");
         let output = lander(&folder, &text().replacen(from, to, 1), &[]);

@@ -1,8 +1,9 @@
 //! `lander map`: cells that hide nothing, the same on any number of threads, closed forms beside them.
 
 use std::fs;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -161,4 +162,48 @@ fn wrong_maps_are_refused() {
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
     assert!(!folder.join("out").exists());
+}
+
+#[test]
+fn what_is_no_map_and_what_is_one_alone() {
+    let folder = folder("wrong");
+    let twice = text(2, 0, LEVEL) + "\n[[map.cases]]\nname = \"the case, alone\"\n";
+    let rising = text(2, 0, LEVEL).replace("[0.5, 4.0]", "[-0.5, 4.0]");
+    for (text, words) in [
+        (twice, ["map.cases", "has two of the name"]),
+        (rising, ["map.down", "must not be negative"]),
+        (text(2, 0, "lean = { value = 95.0, unit = \"deg\" }"), ["lean", "must lie in [-90, 90]"]),
+    ] {
+        let output = lander(&folder, &text, &[]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{error}: {words:?}");
+    }
+    fs::write(folder.join("study.toml"), text(2, 0, LEVEL)).unwrap();
+    let mut campaign = Command::new(env!("CARGO_BIN_EXE_lander"));
+    let campaign = campaign.args(["campaign", "study.toml"]).current_dir(&folder).output().unwrap();
+    let error = String::from_utf8(campaign.stderr).unwrap();
+    assert!(campaign.status.code() == Some(2) && error.contains("is for `lander map`"), "{error}");
+}
+
+#[test]
+fn an_interruption_leaves_no_map() {
+    let folder = folder("interrupted");
+    fs::write(folder.join("study.toml"), text(40, 2, LEVEL)).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lander"))
+        .args(["map", "study.toml", "--out", "out"])
+        .current_dir(&folder)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut progress = BufReader::new(child.stderr.take().unwrap());
+    // It counts touchdowns, so it has begun.
+    progress.read_until(b'/', &mut Vec::new()).unwrap();
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let mut rest = String::new();
+    progress.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{rest}");
+    assert!(rest.contains("interrupted: nothing of it is kept"), "{rest}");
+    assert_eq!(fs::read_dir(folder.join("out/small")).unwrap().count(), 0);
 }

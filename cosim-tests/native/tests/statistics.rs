@@ -117,18 +117,20 @@ fn sobol_s_layout_gives_the_variance_to_its_cause() {
 
 #[test]
 fn a_rare_event_is_found_in_steps_and_compared_with_plain_runs() {
-    let rare = "[rare_event]\nsamples = { value = 100, unit = \"1\" }\n\
+    let rare = "[rare_event]\nsamples = { value = 500, unit = \"1\" }\n\
                 levels_max = { value = 2, unit = \"1\" }";
     let head = format!("runs = {{ value = 100, unit = \"1\" }}\n{rare}");
     let folder = study("rare", &head);
     json(&folder, &["campaign", "study.toml", "--out", "out", "--json"]);
     let found = json(&folder, &["rare", "study.toml", "--out", "out", "--json"]);
-    assert_eq!(found["runs"], 190);
+    assert_eq!(found["runs"], 950);
+    // Two levels do not reach it, and say nothing from below.
+    assert!(found["reached"] == false && found["low"] == 0.0, "{found}");
     let first = &found["levels"][0];
     assert_eq!(first["probability"], 0.1);
-    // Both are shares of a hundred: four standard errors of their difference.
+    // Shares of a hundred and of five hundred: four standard errors of their difference.
     let met = found["plain"][0]["met"].as_f64().unwrap();
-    assert!((met / 100.0 - 0.1).abs() < 4.0 * (2.0 * 0.09 / 100.0_f64).sqrt(), "{met}");
+    assert!((met / 100.0 - 0.1).abs() < 4.0 * (0.09 * (1.0 / 100.0 + 1.0 / 500.0_f64)).sqrt(), "{met}");
     let one = lander(&folder, &["rare", "study.toml", "--out", "out", "--json", "--threads", "1"]);
     assert_eq!(serde_json::from_slice::<Value>(&one.stdout).unwrap(), found);
     let kit = root().join("models/campaigns/paper-monte-carlo.toml");

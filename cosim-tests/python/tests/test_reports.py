@@ -66,7 +66,7 @@ low = {{ value = 0.0, unit = "deg" }}
 high = {{ value = 10.0, unit = "deg" }}
 
 [rare_event]
-samples = {{ value = 100, unit = "1" }}
+samples = {{ value = 500, unit = "1" }}
 """
 MAP = """
 name = "mapped"

@@ -2,8 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use cosim::landing::Error;
@@ -15,7 +13,7 @@ use cosim::study::row::Columns;
 use cosim::study::summary::Summary;
 use cosim::study::{Study, campaign, data, table};
 
-use super::{INTERRUPTED, OK, kit_file, print};
+use super::{INTERRUPTED, OK, interruption, kit_file, print};
 
 pub const CAMPAIGNS: &str = "models/campaigns";
 
@@ -45,7 +43,9 @@ pub struct Campaign {
 
 impl Campaign {
     pub fn execute(&self) -> Result<u8, Error> {
-        self.of(&Study::load(&kit_file(self.study.clone(), CAMPAIGNS))?)
+        let study = Study::load(&kit_file(self.study.clone(), CAMPAIGNS))?;
+        study.need_no_map()?;
+        self.of(&study)
     }
 
     /// As `execute`, of a study that must have designs.
@@ -79,9 +79,7 @@ impl Campaign {
 
     fn all(&self, study: &Study, columns: &Columns) -> Result<u8, Error> {
         let campaign = campaign::Campaign::new(study, columns, &self.out);
-        let interrupted = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&interrupted);
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        let interrupted = interruption()?;
         match campaign.run(self.shard, self.threads, &interrupted)? {
             End::Interrupted => {
                 // Nobody has to listen.

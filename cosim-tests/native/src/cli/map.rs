@@ -10,7 +10,7 @@ use cosim::report;
 use cosim::study::{Study, StudyError};
 
 use super::campaign::CAMPAIGNS;
-use super::{OK, kit_file, print};
+use super::{OK, interruption, kit_file, print};
 
 #[derive(Args)]
 pub struct Map {
@@ -34,7 +34,8 @@ impl Map {
         let folder = self.out.join(&study.name);
         std::fs::create_dir_all(&folder)
             .map_err(|source| StudyError::File { file: folder.clone(), source })?;
-        let mapped = atlas.draw(self.threads)?;
+        let interrupted = interruption()?;
+        let mapped = atlas.draw(self.threads, &interrupted)?;
         let summaries: Vec<CaseSummary> = mapped.iter().map(|case| case.summary()).collect();
         let json = serde_json::json!({
             "study": study.name, "study_sha256": study.hash, "cases": summaries,

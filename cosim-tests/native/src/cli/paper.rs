@@ -2,15 +2,13 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use cosim::landing::{Error, write_whole};
 use cosim::paper::chapter::Chapter;
 use cosim::paper::{self, Order};
 
-use super::{INTERRUPTED, OK, kit_folder, print};
+use super::{INTERRUPTED, OK, interruption, kit_folder, print};
 
 #[derive(Args)]
 pub struct Paper {
@@ -30,9 +28,7 @@ pub struct Paper {
 
 impl Paper {
     pub fn execute(self) -> Result<u8, Error> {
-        let interrupted = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&interrupted);
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        let interrupted = interruption()?;
         let (out, json) = (self.out.clone(), self.json);
         let order = Order {
             models: kit_folder("models"),

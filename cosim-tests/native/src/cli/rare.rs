@@ -8,7 +8,7 @@ use cosim::report;
 use cosim::study::row::Columns;
 use cosim::study::{Study, StudyError, campaign, rare};
 
-use super::{OK, kit_file, print};
+use super::{OK, interruption, kit_file, print};
 use crate::cli::campaign::CAMPAIGNS;
 
 #[derive(Args)]
@@ -33,7 +33,8 @@ impl Rare {
         let campaign = campaign::Campaign::new(&study, &columns, &self.out);
         std::fs::create_dir_all(&campaign.folder)
             .map_err(|source| StudyError::File { file: campaign.folder.clone(), source })?;
-        let found = rare::estimate(&campaign, self.threads)?;
+        let interrupted = interruption()?;
+        let found = rare::estimate(&campaign, self.threads, &interrupted)?;
         let json = serde_json::to_string_pretty(&found)? + "\n";
         write_whole(&campaign.folder.join("rare-event.json"), &json)?;
         report::rare::page(&study, &found).write(&campaign.folder, "rare-event")?;

@@ -69,7 +69,7 @@ impl Map {
         let near = |key, unit, default| s.number_or(key, unit, Limit::Positive, default);
         let map = Self {
             across_m_s: range("across", Limit::NotNegative)?,
-            down_m_s: range("down", Limit::Any)?,
+            down_m_s: range("down", Limit::NotNegative)?,
             cells: cells.map(|number| number as u32),
             depth: depth as u32,
             near: Near {
@@ -82,6 +82,10 @@ impl Map {
         };
         if map.cases.is_empty() {
             return Err(s.error("cases", "is missing: a map needs at least one"));
+        }
+        let names: Vec<&str> = map.cases.iter().map(|case| case.name.as_str()).collect();
+        if let Some(n) = (1..names.len()).find(|n| names[..*n].contains(&names[*n])) {
+            return Err(s.error("cases", format!("has two of the name {:?}", names[n])));
         }
         s.finish()?;
         Ok(Some(map))
@@ -104,7 +108,7 @@ impl MapCase {
             name: s.text("name")?,
             columns,
             heading_deg: angle("heading")?,
-            lean_deg: angle("lean")?,
+            lean_deg: s.number_or("lean", "deg", Limit::Within(-90.0, 90.0), 0.0)?,
             lean_azimuth_deg: angle("lean_azimuth")?,
         };
         s.finish()?;

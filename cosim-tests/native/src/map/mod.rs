@@ -6,6 +6,8 @@ pub mod picture;
 pub mod refine;
 pub mod table;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use lander_models::quantity::ConfigError;
 use lander_models::signals::TRUTH;
 use lander_models::{ModelError, Outcome};
@@ -97,7 +99,10 @@ impl<'a> Atlas<'a> {
     }
 
     /// Maps every case on so many threads; 0 takes all cores.
-    pub fn draw(&self, threads: usize) -> Result<Vec<Mapped<'a>>, Error> {
+    ///
+    /// # Errors
+    /// A touchdown that fails, `StudyError::Interrupted`.
+    pub fn draw(&self, threads: usize, interrupted: &AtomicBool) -> Result<Vec<Mapped<'a>>, Error> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let map = self.map;
         let [columns, rows] = map.cells.map(|n| (n << map.depth) as usize + 1);
@@ -105,19 +110,22 @@ impl<'a> Atlas<'a> {
         let one = |case: &'a MapCase| {
             let evaluate = |points: &[Point]| {
                 let all = points.par_iter().map(|point| {
+                    if interrupted.load(Ordering::Relaxed) {
+                        return Err(StudyError::Interrupted.into());
+                    }
                     let [across_m_s, down_m_s] = self.velocity_m_s(*point);
                     let touchdown = self.touch_down(case, across_m_s, down_m_s);
                     progress.one_more();
-                    touchdown
+                    Ok(touchdown?)
                 });
-                let all: Vec<Result<Touchdown, ModelError>> = all.collect();
+                let all: Vec<Result<Touchdown, Error>> = all.collect();
                 all.into_iter().collect()
             };
             Ok(Mapped { case, refined: refine(map.cells, map.depth, evaluate)? })
         };
-        let mapped: Result<_, ModelError> = pool.install(|| map.cases.iter().map(one).collect());
+        let mapped: Result<_, Error> = pool.install(|| map.cases.iter().map(one).collect());
         progress.finish();
-        Ok(mapped?)
+        mapped
     }
 
     fn touch_down(

@@ -74,8 +74,11 @@ impl Chapter {
     }
 }
 
-/// A cell with so many decimals; a zero has no sign.
+/// A cell with so many decimals; a zero has no sign, and an infinite bound is none.
 pub fn cell(value: f64, decimals: usize) -> String {
+    if value.is_infinite() {
+        return "none".to_owned();
+    }
     let text = format!("{value:.decimals$}");
     match text.trim_start_matches(['-', '0', '.']).is_empty() {
         true => text.trim_start_matches('-').to_owned(),
@@ -90,5 +93,6 @@ mod tests {
     #[test]
     fn a_cell_is_rounded_and_a_zero_has_no_sign() {
         assert_eq!([cell(-0.04, 1), cell(-0.06, 1), cell(12.0, 0)], ["0.0", "-0.1", "12"]);
+        assert_eq!(cell(f64::NEG_INFINITY, 2), "none");
     }
 }

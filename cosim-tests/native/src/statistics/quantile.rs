@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::beta::beta_reg;
 
-/// An estimate with two-sided 95 % bounds.
+/// An estimate with two-sided 95 % bounds; an infinite one is none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bounded {
     pub value: f64,
@@ -16,7 +16,9 @@ pub struct Bounded {
 /// The `p` quantile of a sorted sample, by rank, and its percentile bootstrap bounds.
 ///
 /// The bounds are those of infinitely many resamples, in closed form (Efron 1979): the quantile of a
-/// resample is at most the j-th value if k = ⌈p n⌉ or more of its n draws are among the first j of n.
+/// resample is at most the j-th value if k = ⌈p n⌉ or more of its n draws are among the first j of n. No resample
+/// has values beyond the sample's: where the sample itself lies on one side of the quantile with a probability of more
+/// than 2.5 %, p^n or (1 − p)^n, that bound is infinite.
 pub fn quantile(sorted: &[f64], p: f64) -> Bounded {
     let n = sorted.len();
     if n == 0 {
@@ -33,7 +35,10 @@ pub fn quantile(sorted: &[f64], p: f64) -> Bounded {
         }
         sorted[reached - 1]
     };
-    Bounded { value: sorted[k - 1], low: of_resamples(0.025), high: of_resamples(0.975) }
+    let beyond = |share: f64| libm::pow(share, n as f64) > 0.025;
+    let low = if beyond(1.0 - p) { f64::NEG_INFINITY } else { of_resamples(0.025) };
+    let high = if beyond(p) { f64::INFINITY } else { of_resamples(0.975) };
+    Bounded { value: sorted[k - 1], low, high }
 }
 
 const RESAMPLES: u64 = 1000;
@@ -83,6 +88,19 @@ mod tests {
             assert!(below(high) < 0.983 && up_to(high) > 0.967, "{p}: {}", up_to(high));
         }
         assert!(quantile(&[], 0.5).value.is_nan());
+    }
+
+    /// Of the maximum and minimum of n values, none but a share of p^n and (1 − p)^n lie on the far side of the quantile.
+    #[test]
+    fn a_sample_that_is_too_small_has_no_outer_bound() {
+        let sample: Vec<f64> = (0..368).map(f64::from).collect();
+        // 0.99^367 = 0.02500 + 1e-6; 0.99^368 is below.
+        assert_eq!(quantile(&sample[..367], 0.99).high, f64::INFINITY);
+        assert!(quantile(&sample, 0.99).high.is_finite());
+        assert_eq!(quantile(&sample[..367], 0.01).low, f64::NEG_INFINITY);
+        assert!(quantile(&sample, 0.01).low.is_finite());
+        let few = quantile(&sample[..20], 0.5);
+        assert!(few.low.is_finite() && few.high.is_finite());
     }
 
     #[test]

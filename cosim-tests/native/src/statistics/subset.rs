@@ -41,7 +41,7 @@ pub struct Estimate {
     pub probability: f64,
     /// Coefficient of variation of `probability`.
     pub deviation: f64,
-    /// Two-sided 95 % bounds, the estimate taken as log-normal.
+    /// Two-sided 95 % bounds, the estimate taken as log-normal; from 0 if the event was not reached.
     pub low: f64,
     pub high: f64,
     /// Evaluations of the margin.
@@ -98,8 +98,10 @@ pub fn subset_simulation<E: Send>(
         if bound == 0.0 || levels.len() == settings.levels_max {
             let deviation = square.sqrt();
             let spread = 1.959_963_985 * libm::log1p(square).sqrt();
-            let (low, high) = (probability * libm::exp(-spread), probability * libm::exp(spread));
             let reached = bound == 0.0 && share > 0.0;
+            // Of an event that was not reached, nothing is known from below.
+            let low = if reached { probability * libm::exp(-spread) } else { 0.0 };
+            let high = probability * libm::exp(spread);
             return Ok(Estimate { probability, deviation, low, high, runs, levels, reached });
         }
         let level = levels.len();
@@ -208,7 +210,7 @@ mod tests {
     fn an_event_out_of_reach_says_so() {
         let settings = Settings { levels_max: 2, ..SETTINGS };
         let Ok(found) = subset_simulation(3, &settings, plane(6.0));
-        assert!(!found.reached && found.levels.len() == 2);
+        assert!(!found.reached && found.levels.len() == 2 && found.low == 0.0);
         // Two levels of a tenth; states that a refusal repeats share the bound's margin with it.
         assert!((0.01..0.0105).contains(&found.probability), "{}", found.probability);
     }

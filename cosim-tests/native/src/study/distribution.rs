@@ -137,7 +137,26 @@ impl Distribution {
             Some(unit) if s.has("step") => Some(s.number("step", unit, Limit::Positive)?),
             _ => None,
         };
-        Ok(Self { shape, unit, step })
+        let distribution = Self { shape, unit, step };
+        distribution.check_step(s)?;
+        Ok(distribution)
+    }
+
+    /// A step is for rounding: it may move no draw out of its bounds by more than half of what lies between them.
+    fn check_step(&self, s: &Section) -> Result<(), ConfigError> {
+        let (Some(step), Some([low, high])) = (self.step, self.bounds()) else { return Ok(()) };
+        if step > 0.5 * (high - low) {
+            let reason = format!("is {step}, must be at most half of {low} to {high}");
+            return Err(s.error("step", reason));
+        }
+        Ok(())
+    }
+
+    fn bounds(&self) -> Option<[f64; 2]> {
+        match self.shape {
+            Shape::Uniform { low, high } | Shape::Triangular { low, high, .. } => Some([low, high]),
+            _ => None,
+        }
     }
 
     /// As `read`, of a design's values: a list of `values`, or `count` of them from `low` to `high`.
@@ -207,7 +226,7 @@ impl Distribution {
 
 fn read_constant(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
     Ok(match s.text("value") {
-        Ok(text) => (Shape::Constant(Value::Text(text)), None),
+        Ok(text) => (Shape::Constant(Value::Text(fit_for_a_cell(s, "value", text)?)), None),
         Err(_) => {
             let unit = s.unit_of("value")?;
             let value = s.number("value", &unit, Limit::Any)?;
@@ -216,10 +235,23 @@ fn read_constant(s: &Section) -> Result<(Shape, Option<String>), ConfigError> {
     })
 }
 
+/// A word stands in a cell of the results as it is.
+fn fit_for_a_cell(s: &Section, key: &str, text: String) -> Result<String, ConfigError> {
+    match text.contains([',', '"']) || text.contains(char::is_control) {
+        true => {
+            Err(s.error(key, format!("has {text:?}: no commas, quotes or line ends in a word")))
+        }
+        false => Ok(text),
+    }
+}
+
 /// A list of `values`, at least one, and their unit.
 fn read_values(s: &Section) -> Result<(Vec<Value>, Option<String>), ConfigError> {
     let (values, unit) = match s.texts("values") {
-        Ok(texts) => (texts.into_iter().map(Value::Text).collect::<Vec<_>>(), None),
+        Ok(texts) => {
+            let fit = |text| fit_for_a_cell(s, "values", text).map(Value::Text);
+            (texts.into_iter().map(fit).collect::<Result<Vec<_>, _>>()?, None)
+        }
         Err(_) => {
             let unit = s.unit_of("values")?;
             let numbers = s.numbers("values", &unit, Limit::Any)?;

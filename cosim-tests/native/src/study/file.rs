@@ -10,6 +10,7 @@ use toml::{Table, Value as Toml};
 
 use super::StudyError;
 use super::axis::{Axis, Designs};
+use super::effect;
 use super::failures::Failures;
 use super::parameter::{Parameter, case_unit};
 use super::rare;
@@ -162,6 +163,7 @@ impl Study {
             hash: String::new(),
         };
         study.check_columns(&root)?;
+        effect::check(&study, &root)?;
         study.check_sampling(&root)?;
         root.finish()?;
         study.hash = study.hash_of(parse_table(file, text)?)?;
@@ -180,6 +182,16 @@ impl Study {
         }
         let (file, key) = (self.file.clone(), "axis".to_owned());
         let reason = "is missing: a design study has one or two".to_owned();
+        Err(ConfigError::Key { file, key, reason }.into())
+    }
+
+    /// An error if it is a map, of which a campaign would run one touchdown.
+    pub fn need_no_map(&self) -> Result<(), StudyError> {
+        if self.map.is_none() {
+            return Ok(());
+        }
+        let (file, key) = (self.file.clone(), "map".to_owned());
+        let reason = "is for `lander map`: a campaign has no place for it".to_owned();
         Err(ConfigError::Key { file, key, reason }.into())
     }
 

@@ -8,6 +8,7 @@ pub mod campaign;
 pub mod data;
 pub mod designs;
 pub mod distribution;
+pub mod effect;
 pub mod failures;
 pub mod file;
 pub mod parameter;
@@ -42,6 +43,8 @@ pub enum StudyError {
     Foreign { file: PathBuf, found: String, expected: String },
     #[error("{}: runs {first} to {last} have no shard yet", folder.display())]
     Missing { folder: PathBuf, first: u64, last: u64 },
+    #[error("interrupted: nothing of it is kept")]
+    Interrupted,
     #[error("{}: cannot be written: {reason}", file.display())]
     Parquet { file: PathBuf, reason: String },
 }

@@ -111,6 +111,11 @@ impl Parameter {
         }
     }
 
+    /// Whether nothing is left of what the file, or an axis before it, has.
+    pub fn replaces(&self) -> bool {
+        self.what == Use::Value
+    }
+
     /// As the readers of scenario and vehicle name it in an error.
     pub fn path_in_file(&self) -> String {
         self.path.join(".")

@@ -1,6 +1,7 @@
 //! The probability of a rare tip-over, by subset simulation over a study's parameters.
 
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use lander_models::Outcome;
 use lander_models::math::square;
@@ -25,6 +26,11 @@ use crate::statistics::subset::{Estimate, Settings, subset_simulation};
 /// through adjacent footpads.
 pub const MARGIN: &str = "stability_distance_m";
 
+/// With 100 samples a level, six of nine bounds of 95 % left the probability out.
+const SAMPLES_MIN: f64 = 500.0;
+/// Share of proposals below which chains hardly leave their starts, and the bounds are too narrow.
+const MOVED_MIN: f64 = 0.1;
+
 /// `[rare_event]` of a study.
 pub fn read(root: &Section, seed: u64) -> Result<Settings, ConfigError> {
     let s = root.optional_section("rare_event")?;
@@ -37,7 +43,7 @@ pub fn read(root: &Section, seed: u64) -> Result<Settings, ConfigError> {
     };
     let settings = Settings {
         seed,
-        samples: whole("samples", 100.0, 1e6, 1000.0)?,
+        samples: whole("samples", SAMPLES_MIN, 1e6, 1000.0)?,
         chain: whole("chain", 2.0, 100.0, 10.0)?,
         correlation: s.number_or("correlation", "1", Limit::Within(0.0, 0.99), 0.8)?,
         levels_max: whole("levels_max", 1.0, 20.0, 8.0)?,
@@ -80,7 +86,14 @@ pub struct Plain {
 }
 
 /// Estimates the probability of a tip-over in a study of touchdowns.
-pub fn estimate(campaign: &Campaign, threads: usize) -> Result<RareEvent, Error> {
+///
+/// # Errors
+/// A study that is no such, a run that fails, `StudyError::Interrupted`.
+pub fn estimate(
+    campaign: &Campaign,
+    threads: usize,
+    interrupted: &AtomicBool,
+) -> Result<RareEvent, Error> {
     let study = campaign.study;
     check(study)?;
     let settings = study.rare_event;
@@ -89,6 +102,9 @@ pub fn estimate(campaign: &Campaign, threads: usize) -> Result<RareEvent, Error>
     let progress = Count::new("runs at most", runs_max);
     let streams: Vec<&str> = study.drawn().map(|parameter| parameter.key.as_str()).collect();
     let margin = |x: &[f64]| {
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(StudyError::Interrupted);
+        }
         let uniform = |stream: &str| {
             let index = streams.iter().position(|key| *key == stream);
             index.map_or(0.5, |index| share_below(x[index]))
@@ -174,7 +190,17 @@ fn plain(campaign: &Campaign, estimate: &Estimate) -> Result<Vec<Plain>, StudyEr
 impl fmt::Display for RareEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Estimate { probability, deviation, low, high, runs, levels, reached } = &self.estimate;
-        let what = if *reached { "probability" } else { "not reached; probability below" };
+        let what = if *reached { "probability" } else { "not reached; probability at most about" };
+        if let Some(level) = levels.iter().find(|level| level.accepted < MOVED_MIN) {
+            writeln!(
+                f,
+                "warning: {:.0} % of the chains' proposals moved them up to {} {}: the bounds are too narrow, take \
+                 more samples",
+                100.0 * level.accepted,
+                self.margin,
+                short(level.bound),
+            )?;
+        }
         writeln!(
             f,
             "{}: {} {what} {probability:.3e} (95 %: {low:.2e} to {high:.2e}, coefficient of variation \
