@@ -106,7 +106,7 @@ struct Touchdowns {
     #[arg(long, default_value = "30", value_parser = stop_time)]
     stop_time: Ticks,
     /// Number of threads; 0 takes all cores. The results don't depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// CSV file for the results, instead of standard output
     #[arg(long)]
@@ -154,6 +154,16 @@ impl Cli {
             Command::Rare(rare) => rare.execute(),
             Command::Paper(paper) => paper.execute(),
         }
+    }
+}
+
+/// More would only wait for each other.
+const THREADS_MAX: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if threads <= THREADS_MAX => Ok(threads),
+        _ => Err(format!("must be a whole number up to {THREADS_MAX}")),
     }
 }
 

@@ -34,7 +34,7 @@ const POSE_PERIOD: Ticks = Ticks(20);
 const PLUME_PERIOD: Ticks = Ticks(50);
 
 #[derive(Debug, thiserror::Error)]
-#[error("{}: the log cannot be written: {source}", file.display())]
+#[error("{}: the log cannot be written (is the disk full?): {source}", file.display())]
 pub struct RecorderError {
     file: PathBuf,
     source: FoxgloveError,

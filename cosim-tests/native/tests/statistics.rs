@@ -89,9 +89,12 @@ fn the_parameter_that_matters_comes_out_on_top() {
     assert_eq!(stroke["measured"], 60);
     let shares = stroke["quantiles"].as_array().unwrap().iter();
     for quantile in shares {
-        let [low, value, high] =
-            ["low", "value", "high"].map(|key| quantile[key].as_f64().unwrap());
-        assert!(low <= value && value <= high, "{quantile}");
+        let [low, value, high] = ["low", "value", "high"].map(|key| quantile[key].as_f64());
+        let value = value.unwrap();
+        assert!(low.is_none_or(|low| low <= value) && high.is_none_or(|high| value <= high));
+        // Of sixty runs none need lie beyond their 1 % and 99 % quantiles.
+        let outer = [0.01, 0.99].contains(&quantile["share"].as_f64().unwrap());
+        assert_eq!(low.is_none() || high.is_none(), outer, "{quantile}");
     }
 }
 
@@ -130,7 +133,10 @@ fn a_rare_event_is_found_in_steps_and_compared_with_plain_runs() {
     assert_eq!(first["probability"], 0.1);
     // Shares of a hundred and of five hundred: four standard errors of their difference.
     let met = found["plain"][0]["met"].as_f64().unwrap();
-    assert!((met / 100.0 - 0.1).abs() < 4.0 * (0.09 * (1.0 / 100.0 + 1.0 / 500.0_f64)).sqrt(), "{met}");
+    assert!(
+        (met / 100.0 - 0.1).abs() < 4.0 * (0.09 * (1.0 / 100.0 + 1.0 / 500.0_f64)).sqrt(),
+        "{met}"
+    );
     let one = lander(&folder, &["rare", "study.toml", "--out", "out", "--json", "--threads", "1"]);
     assert_eq!(serde_json::from_slice::<Value>(&one.stdout).unwrap(), found);
     let kit = root().join("models/campaigns/paper-monte-carlo.toml");

@@ -13,7 +13,7 @@ use cosim::study::row::Columns;
 use cosim::study::summary::Summary;
 use cosim::study::{Study, campaign, data, table};
 
-use super::{INTERRUPTED, OK, interruption, kit_file, print};
+use super::{INTERRUPTED, OK, interruption, kit_file, print, threads};
 
 pub const CAMPAIGNS: &str = "models/campaigns";
 
@@ -25,7 +25,7 @@ pub struct Campaign {
     #[arg(long, default_value = "results/campaigns")]
     out: PathBuf,
     /// Number of threads; 0 takes all cores. The results don't depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Run part i of n alone, for as many jobs; a last campaign without it merges all
     #[arg(long, value_name = "I/N")]

@@ -10,7 +10,7 @@ use cosim::report;
 use cosim::study::{Study, StudyError};
 
 use super::campaign::CAMPAIGNS;
-use super::{OK, interruption, kit_file, print};
+use super::{OK, interruption, kit_file, print, threads};
 
 #[derive(Args)]
 pub struct Map {
@@ -20,7 +20,7 @@ pub struct Map {
     #[arg(long, default_value = "results/maps")]
     out: PathBuf,
     /// Number of threads; 0 takes all cores. The results don't depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Print the summary as one JSON object
     #[arg(long)]

@@ -8,7 +8,7 @@ use cosim::landing::{Error, write_whole};
 use cosim::paper::chapter::Chapter;
 use cosim::paper::{self, Order};
 
-use super::{INTERRUPTED, OK, interruption, kit_folder, print};
+use super::{INTERRUPTED, OK, interruption, kit_folder, print, threads};
 
 #[derive(Args)]
 pub struct Paper {
@@ -19,7 +19,7 @@ pub struct Paper {
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     runs: u64,
     /// Number of threads; 0 takes all cores. The results don't depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Print the tables as one JSON object
     #[arg(long)]

@@ -8,7 +8,7 @@ use cosim::report;
 use cosim::study::row::Columns;
 use cosim::study::{Study, StudyError, campaign, rare};
 
-use super::{OK, interruption, kit_file, print};
+use super::{OK, interruption, kit_file, print, threads};
 use crate::cli::campaign::CAMPAIGNS;
 
 #[derive(Args)]
@@ -19,7 +19,7 @@ pub struct Rare {
     #[arg(long, default_value = "results/campaigns")]
     out: PathBuf,
     /// Number of threads; 0 takes all cores. The results don't depend on it
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = threads)]
     threads: usize,
     /// Print the estimate as one JSON object
     #[arg(long)]

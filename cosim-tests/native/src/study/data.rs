@@ -1,5 +1,7 @@
 //! The runs of a study, column by column from its merged table.
 
+use lander_models::Outcome;
+
 use super::StudyError;
 use super::campaign::Campaign;
 use super::table::Reader;
@@ -29,6 +31,20 @@ impl Words {
         (0..self.codes.len()).map(|row| self.get(row))
     }
 }
+
+/// Results of the touchdown from contact to rest. A crash ends a run milliseconds after contact, where its row has
+/// what they were by then: legs hardly stroked, nothing tilted yet.
+const OF_TOUCHDOWN: [&str; 9] = [
+    "rest_tilt_deg",
+    "least_hull_clearance_m",
+    "least_nozzle_clearance_m",
+    "peak_stroke_m",
+    "peak_leg_load_n",
+    "peak_acceleration_m_s2",
+    "tip_energy_margin_j",
+    "stability_distance_m",
+    "slide_distance_m",
+];
 
 /// All runs of a study, or an even part of them. Numbers stay in the file until they are asked for, so that
 /// memory holds a column at a time.
@@ -78,7 +94,16 @@ impl<'a> Data<'a> {
 
     /// A column of numbers, NaN where nothing was measured; `None` if there is none of that name.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, StudyError> {
-        Ok(self.reader.numbers(name)?.map(|all| self.part.pick(all)))
+        let Some(all) = self.reader.numbers(name)? else { return Ok(None) };
+        let mut values = self.part.pick(all);
+        if OF_TOUCHDOWN.contains(&name) {
+            for (value, outcome) in values.iter_mut().zip(self.outcomes.iter()) {
+                if outcome == Outcome::Crashed.name() {
+                    *value = f64::NAN;
+                }
+            }
+        }
+        Ok(Some(values))
     }
 
     /// What was measured of a column, rising.

@@ -285,8 +285,11 @@ impl fmt::Display for Summary {
     }
 }
 
-/// A number to four digits.
+/// A number to four digits; an infinite bound is none.
 pub fn short(value: f64) -> String {
+    if value.is_infinite() {
+        return "none".to_owned();
+    }
     let digits = 3 - libm::log10(value.abs().max(1e-3)).floor() as i32;
     format!("{value:.*}", digits.clamp(0, 4) as usize)
 }
