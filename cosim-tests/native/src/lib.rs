@@ -5,6 +5,7 @@
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod csv;
 pub mod descents;
 pub mod failures;
 pub mod flight;

@@ -1,7 +1,7 @@
 //! `lander paper`: every section with finite numbers, tables that are the report's, closed forms written anew here, the same
 //! bytes on any number of threads, and an interruption that loses nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::SQRT_2;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -120,6 +120,14 @@ fn the_report_is_whole_and_its_files_say_the_same() {
     }
     for (name, text) in tables.iter().chain(&figures) {
         assert!(!not_finite(text), "{name}");
+        if name.ends_with(".csv") {
+            let head = cells(text.lines().next().unwrap());
+            let unlike: Vec<_> =
+                text.lines().filter(|line| cells(line).len() != head.len()).collect();
+            assert!(unlike.is_empty(), "{name}: {unlike:?}");
+            let names: BTreeSet<&String> = head.iter().collect();
+            assert_eq!(names.len(), head.len(), "{name} has a heading twice: {head:?}");
+        }
     }
     assert!(!not_finite(&html));
     let pictures: Vec<_> = figures.iter().filter(|(name, _)| name.ends_with(".svg")).collect();

@@ -1,5 +1,6 @@
 //! A map's cells as a table, and what they come to.
 
+use crate::csv::{number, quoted};
 use std::collections::BTreeMap;
 
 use lander_models::Outcome;
@@ -131,14 +132,4 @@ pub fn points_csv(mapped: &[Mapped]) -> String {
         }
     }
     text
-}
-
-/// Empty where nothing was measured.
-fn number(value: f64) -> String {
-    if value.is_finite() { value.to_string() } else { String::new() }
-}
-
-/// A name as CSV takes it.
-fn quoted(name: &str) -> String {
-    format!("\"{}\"", name.replace('"', "\"\""))
 }

@@ -6,6 +6,7 @@ use super::drawing::{COLOURS, key};
 use super::flights::{CADENCE_S, Flights, Flown, Scheme};
 use super::problems::{Start, problem};
 use super::{Error, Inputs, three_dof};
+use crate::csv::{number, quoted};
 use crate::report::Figure;
 use crate::statistics::binomial;
 use crate::statistics::quantile::quantile;
@@ -133,8 +134,8 @@ fn curves(flights: &Flights) -> Figure {
                 [down.value, down.low, down.high],
                 [value, low, high],
             ];
-            let numbers: Vec<String> = three.iter().flatten().map(f64::to_string).collect();
-            csv += &format!("{mode},{replan_s},{}\n", numbers.join(","));
+            let numbers: Vec<String> = three.iter().flatten().map(|n| number(*n)).collect();
+            csv += &format!("{},{replan_s},{}\n", quoted(mode), numbers.join(","));
             for (curve, [value, low, high]) in points.iter_mut().zip(three) {
                 curve.push([replan_s, value, low, high]);
             }

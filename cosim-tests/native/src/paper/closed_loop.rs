@@ -11,6 +11,7 @@ use super::flights::{AS_FIRED, CLOSED_LOOP, Flights, Flown, OPEN_LOOP, PAPER};
 use super::problems::{Start, plan, problem};
 use super::three_dof::{self, End, Scheme};
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::report::figures;
 use crate::statistics::quantile::{Bounded, bootstrap, quantile};
@@ -226,7 +227,7 @@ fn distributions(flights: &Flights) -> Figure {
             let points: Vec<[f64; 2]> =
                 kept.map(|i| [sorted[i], (i + 1) as f64 / n as f64]).collect();
             for [value, share] in &points {
-                csv += &format!("{name},{result},{value},{share}\n");
+                csv += &format!("{},{result},{value},{share}\n", quoted(name));
             }
             parts += &frame.path(&points, &format!("stroke=\"{colour}\" stroke-width=\"1.8\""));
             if panel == 0 {
@@ -281,9 +282,9 @@ fn heights(
             "start height, m",
             "plan's duration, s",
             "open loop, mean miss, m",
-            "speed down, median, m/s",
+            "open loop, speed down, median, m/s",
             "plan each 10 s, mean miss, m",
-            "speed down, median, m/s",
+            "plan each 10 s, speed down, median, m/s",
         ],
         rows,
     );

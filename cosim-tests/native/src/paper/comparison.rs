@@ -10,6 +10,7 @@ use super::drawing::COLOURS;
 use super::printed::Printed;
 use super::tip_angle::extremes_rad;
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::svg::{Frame, picture, styled_line, text};
 
@@ -135,26 +136,25 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Vehicle comparison: Table V");
     chapter.table(
         "comparison",
-        "Table V (tab:comparison). P: as printed; F: by the paper's own numbers; S: as sourced \
-         in models/vehicles, each number with source and grade there. Thrust over weight on \
+        "Table V (tab:comparison): as printed; by the paper's own numbers; as sourced in \
+         models/vehicles, each number with source and grade there. T/W: thrust over weight on \
          Earth, wet; in the last column on the Moon, empty.",
         &[
             "vehicle",
-            "thrust P, kN",
-            "S",
-            "wet mass P, kg",
-            "S",
-            "height P, m",
-            "S",
-            "footprint \
-                                         P, m",
-            "S",
-            "H/D P",
-            "F",
-            "T/W P",
-            "F",
-            "S",
-            "T/W Moon S",
+            "thrust, printed, kN",
+            "thrust, sourced, kN",
+            "wet mass, printed, kg",
+            "wet mass, sourced, kg",
+            "height, printed, m",
+            "height, sourced, m",
+            "footprint, printed, m",
+            "footprint, sourced, m",
+            "H/D, printed",
+            "H/D, by its numbers",
+            "T/W, printed",
+            "T/W, by its numbers",
+            "T/W, sourced",
+            "T/W on the Moon, sourced",
         ],
         as_printed,
     );
@@ -228,7 +228,7 @@ fn ranges(bars: &[(String, Criteria)]) -> Figure {
     for (index, (name, found)) in bars.iter().enumerate() {
         let all = [found.com_height_m, found.pad_deg, found.edge_deg, found.tip_speed_m_s];
         let numbers: Vec<String> = all.iter().flatten().map(f64::to_string).collect();
-        csv += &format!("{name},{}\n", numbers.join(","));
+        csv += &format!("{},{}\n", quoted(name), numbers.join(","));
         let y = panels[0].top + 16.0 + BAR * index as f64;
         parts += &text(panels[0].left - 8.0, y + 4.0, "end", 12, name);
         for (frame, [low, high], colour, dy) in [

@@ -10,6 +10,7 @@ use super::drawing::{COLOURS, key};
 use super::problems::{Start, always_on, plan, problem};
 use super::three_dof::re_propagated;
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::statistics::spread::Spread;
 use crate::svg::{Frame, picture, styled_line, text};
@@ -152,9 +153,9 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
             "residual",
             "unit",
             "on/off: median",
-            "worst",
+            "on/off: worst",
             "always on: median",
-            "worst",
+            "always on: worst",
         ],
         rows.to_vec(),
     );
@@ -223,7 +224,7 @@ fn sets_of_thrust(sets: &[Vec<Accepted>; 2], inputs: &Inputs) -> Result<Figure, 
                 // Sideways with the sign of its larger component's axis, so that both halves fill.
                 let sideways = thrust_w.xy().norm() * thrust_w.x.signum();
                 let magnitude = thrust_w.norm();
-                csv += &format!("{name},{sideways},{},{magnitude}\n", thrust_w.z);
+                csv += &format!("{},{sideways},{},{magnitude}\n", quoted(name), thrust_w.z);
                 if sideways.abs() < 3000.0 {
                     parts += &annulus.dot([sideways, thrust_w.z], 1.4, colour);
                 }

@@ -6,6 +6,7 @@ use super::chapter::{Chapter, cell};
 use super::drawing::{COLOURS, key};
 use super::problems::{Start, always_on, plan, problem};
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::svg::{Frame, picture, text};
 
@@ -152,7 +153,7 @@ fn curve(
         for (kg, least) in points {
             let Some(deg) = least[index] else { continue };
             parts += &frame.dot([*kg, deg], 4.0, colour);
-            csv += &format!("{name},{kg},{deg}\n");
+            csv += &format!("{},{kg},{deg}\n", quoted(name));
         }
         parts += &key(&frame, index + 2, name, colour);
     }

@@ -5,6 +5,7 @@ use super::critical_tilt::critical_deg;
 use super::drawing::{COLOURS, key};
 use super::problems::{Start, always_on, plan, problem};
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::svg::{Frame, picture, text};
 use guidance_fmu::scvx::{PathLimits, Problem, disprove};
@@ -115,7 +116,7 @@ fn figure(descent: &Problem) -> Figure {
     let (mut parts, mut csv) = (String::new(), "what,height_m,speed_m_s\n".to_owned());
     let mut add = |index: usize, name: &str, curve: Vec<[f64; 2]>| {
         for [height_m, speed_m_s] in &curve {
-            csv += &format!("{name},{height_m},{speed_m_s}\n");
+            csv += &format!("{},{height_m},{speed_m_s}\n", quoted(name));
         }
         let colour = COLOURS[index];
         parts += &frame.path(&curve, &format!("stroke=\"{colour}\" stroke-width=\"1.8\""));

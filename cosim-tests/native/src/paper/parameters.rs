@@ -6,6 +6,7 @@ use lander_models::{ConfigError, Vehicle};
 
 use super::chapter::{Chapter, cell};
 use super::{Error, Inputs};
+use crate::csv::quoted;
 use crate::report::Figure;
 use crate::svg::{line, picture, styled_line, text};
 
@@ -195,7 +196,7 @@ fn side_view(bug: &Vehicle) -> Figure {
         ("gimbal pivot", 0.0, pivot),
         ("nozzle exit", engine.nozzle_exit_radius_m, exit),
     ] {
-        csv += &format!("\"{part}\",{x_m},{z_m}\n");
+        csv += &format!("{},{x_m},{z_m}\n", quoted(part));
     }
     let caption = "Fig. 1 (fig:lander_vehicle): BUG from the side, to scale, drawn from \
                    models/vehicles/bug.toml. Pads, H, D and centre of mass are the paper's, body, legs \

@@ -61,13 +61,13 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         &[
             "tilt limit, deg",
             "descent, on/off, kg",
-            "s",
+            "descent, on/off, s",
             "descent, always on, kg",
-            "s",
+            "descent, always on, s",
             "hop, on/off, kg",
-            "s",
+            "hop, on/off, s",
             "hop, always on, kg",
-            "s",
+            "hop, always on, s",
         ],
         rows.collect(),
     );

@@ -2,6 +2,7 @@
 
 use super::Figure;
 use super::figures::colour_of;
+use crate::csv::{number, quoted};
 use crate::statistics::quantile::Bounded;
 use crate::study::axis::Axis;
 use crate::study::designs::{DesignSummary, OfDesign};
@@ -166,8 +167,10 @@ fn figure(
         let values: Vec<String> = design.values.iter().map(Value::to_string).collect();
         for layer in layers {
             let Some(b) = (layer.number)(design) else { continue };
-            let numbers = [b.value, b.low, b.high].map(|n| Value::Number(n).to_string());
-            csv += &format!("{},\"{}\",{}\n", values.join(","), layer.title, numbers.join(","));
+            let unit = layer.scale.factor();
+            let numbers = [b.value, b.low, b.high].map(|n| number(unit * n));
+            let (values, title) = (values.join(","), quoted(layer.title));
+            csv += &format!("{values},{title},{}\n", numbers.join(","));
         }
     }
     Figure { name: name.to_owned(), caption: caption.to_owned(), svg, csv }

@@ -3,6 +3,7 @@
 use lander_models::Outcome;
 
 use super::Figure;
+use crate::csv::quoted;
 use crate::map::picture::colour;
 use crate::study::StudyError;
 use crate::study::data::Data;
@@ -35,8 +36,13 @@ pub fn outcomes(groups: &[Group]) -> Figure {
                 right - left,
                 colour_of(&share.outcome)
             );
-            csv +=
-                &format!("{},{},{},{}\n", group.failures, group.runs, share.outcome, share.share);
+            csv += &format!(
+                "{},{},{},{}\n",
+                quoted(&group.failures),
+                group.runs,
+                share.outcome,
+                share.share
+            );
             from = to;
             if !seen.contains(&share.outcome.as_str()) {
                 seen.push(&share.outcome);

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::csv::quoted;
 use crate::landing::{Error, write_whole};
 use crate::study::shard::{BUILD, VERSION};
 use crate::study::{Study, StudyError};
@@ -66,14 +67,6 @@ fn style_of_words() -> String {
     let column = |n: usize| format!(".w{n} td:nth-child({n}),.w{n} th:nth-child({n})");
     let columns: Vec<String> = (1..=COLUMNS).map(column).collect();
     columns.join(",") + "{text-align:left}"
-}
-
-/// A cell of CSV (RFC 4180).
-fn quoted(cell: &str) -> String {
-    match cell.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.to_owned(),
-    }
 }
 
 /// A page as it is written.
