@@ -68,6 +68,10 @@ def test_it_draws_lander_ground_and_sky_and_moves(page):
     assert (abs(start - later).max(axis=-1) > 0.1).mean() > 0.02
 
 
+def test_an_unknown_camera_follows(page):
+    assert (picture(page, "t=2.4&camera=nonsense") == picture(page, "t=2.4")).all()
+
+
 def test_a_scenario_that_is_not_there_leaves_no_page(tmp_path):
     done = run([LANDER, "replay", "nowhere", "--out", tmp_path])
     assert done.returncode == 2 and done.stderr.startswith("error: ")

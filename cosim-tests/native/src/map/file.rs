@@ -40,7 +40,7 @@ pub struct MapCase {
     columns: Vec<(usize, f64)>,
     /// Turn of the vehicle about its own axis: for legs at 45° to the axes, 0 leads with two and 45° with one.
     pub heading_deg: f64,
-    lean_deg: f64,
+    pub lean_deg: f64,
     /// Azimuth towards which it leans.
     lean_azimuth_deg: f64,
 }

@@ -17,7 +17,7 @@ use crate::landing::Error;
 use crate::progress::Count;
 use crate::study::run::World;
 use crate::study::{Study, StudyError};
-use crate::touchdowns;
+use crate::touchdowns::{self, Case};
 use criterion::Tips;
 use file::{Map, MapCase, Near};
 use refine::{Point, Refined, Sample, refine};
@@ -87,6 +87,11 @@ impl<'a> Atlas<'a> {
             })?;
         }
         Ok(Self { study, map, world })
+    }
+
+    /// The contact state of a case at a velocity.
+    pub fn state(&self, case: &MapCase, across_m_s: f64, down_m_s: f64) -> Case {
+        case.at(&self.world.case, across_m_s, down_m_s)
     }
 
     /// Velocity at a point of the finest grid: across and down, m/s.

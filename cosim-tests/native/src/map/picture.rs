@@ -42,7 +42,6 @@ pub fn draw(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Stri
         };
         parts += &panel(atlas, of_case, summary, &frame);
     }
-    let whole = [(width * columns as f64 + 20.0).max(640.0), 60.0 + height * rows as f64];
     let shown =
         |outcome: &Outcome| summaries.iter().any(|s| s.outcomes.contains_key(outcome.name()));
     let mut left = 60.0;
@@ -55,7 +54,9 @@ pub fn draw(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Stri
     }
     parts += &line([left, 19.0], [left + 18.0, 19.0], "black");
     parts += &text(left + 23.0, 23.0, "start", 12, "tip speed of captured pads (T.24)");
-    picture(whole[0], whole[1], &parts)
+    // The words of the legend's last entry are some 200 wide.
+    let legend = left + 23.0 + 200.0;
+    picture((width * columns as f64 + 20.0).max(legend), 60.0 + height * rows as f64, &parts)
 }
 
 fn panel(atlas: &Atlas, of_case: &Mapped, summary: &CaseSummary, frame: &Frame) -> String {

@@ -359,7 +359,8 @@ const mark = (time, label) => time === null ? "" :
   `<span style="left:${(100 * time) / END_S}%">${label}</span>`;
 element("marks").innerHTML = mark(film.contact_time_s, "contact") + mark(film.tip_time_s, "tips over");
 const asked = new URLSearchParams(location.hash.slice(1));
-camera.mode = asked.get("camera") || "follow";
+const modes = [...element("camera").options].map((option) => option.value);
+camera.mode = modes.includes(asked.get("camera")) ? asked.get("camera") : modes[0];
 element("camera").value = camera.mode;
 clock.time = Math.min(END_S, Number(asked.get("t") || 0));
 look(camera.mode);

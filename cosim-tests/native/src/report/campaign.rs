@@ -1,9 +1,13 @@
 //! The page of a campaign.
 
+use lander_models::scenario::Disturbances;
+
 use super::{Page, figures, percent};
 use crate::study::data::Data;
+use crate::study::parameter::case_unit;
 use crate::study::summary::{Correlation, Summary, short};
 use crate::study::{Kind, Study, StudyError};
+use crate::touchdowns::COLUMNS;
 
 /// Results whose sensitivity is shown.
 const SENSITIVE: [&str; 3] = ["stability_distance_m", "position_error_m", "peak_stroke_m"];
@@ -32,9 +36,8 @@ pub fn page(study: &Study, data: &Data, summary: &Summary) -> Result<Page, Study
     page.figure(figures::outcomes(&summary.groups));
     page.heading("Results");
     results(&mut page, summary);
-    page.figure(figures::distribution_functions(data)?);
-    if let Some(figure) = figures::footprint(data)? {
-        page.figure(figure);
+    for figure in [figures::distribution_functions(data)?, figures::footprint(data)?] {
+        figure.into_iter().for_each(|figure| page.figure(figure));
     }
     sensitivity(&mut page, summary);
     page.heading("Again");
@@ -56,15 +59,26 @@ pub fn inputs(page: &mut Page, study: &Study) {
     let row = |parameter: &crate::study::parameter::Parameter| {
         let known = if parameter.known { "truth and guidance" } else { "truth" };
         let distribution = parameter.distribution.to_string();
-        vec![parameter.key.clone(), distribution, known.to_owned()]
+        let key = format!("{}{}", parameter.key, parameter.how());
+        vec![key, distribution, known.to_owned()]
     };
-    let rows: Vec<_> = study.parameters.iter().map(row).collect();
-    if rows.is_empty() {
-        page.paragraph(
-            "No parameter, but what the scenario's own disturbances draw by each run's seed.",
-        );
-    } else {
+    let of_case = study.case.iter().map(|(index, value)| {
+        let column = COLUMNS[*index].0;
+        let value = format!("is {value} {}", case_unit(column));
+        vec![format!("case.{column}"), value, "truth".to_owned()]
+    });
+    let rows: Vec<_> = of_case.chain(study.parameters.iter().map(row)).collect();
+    if !rows.is_empty() {
         page.table("t", &["parameter", "distribution", "known to"], &rows);
+    }
+    let disturbances = study.run(0).map(|run| run.truth.scenario.disturbances);
+    match disturbances.map(|disturbances| of_scenario(&disturbances)) {
+        Ok(rows) if study.kind == Kind::Landing && !rows.is_empty() => {
+            let header = ["drawn by each run's seed", "one standard deviation", "unit"];
+            page.table("t", &header, &rows);
+        }
+        _ if rows.is_empty() => page.paragraph("Nothing but the noise of each run's seed."),
+        _ => {}
     }
     let modes: Vec<_> = study
         .failures
@@ -85,6 +99,26 @@ pub fn inputs(page: &mut Page, study: &Study) {
     if !modes.is_empty() {
         page.table("t", &["failure mode", "probability a run", "its numbers"], &modes);
     }
+}
+
+/// Errors that the scenario itself draws: name, one standard deviation, unit.
+fn of_scenario(d: &Disturbances) -> Vec<Vec<String>> {
+    let rows = [
+        ("initial position, an axis", d.initial_position_m, "m"),
+        ("initial velocity, an axis", d.initial_velocity_m_s, "m/s"),
+        ("mass", 100.0 * d.mass, "%"),
+        ("thrust, a run", 100.0 * d.thrust_bias, "%"),
+        ("thrust, noise", 100.0 * d.thrust_noise, "%"),
+        ("thrust direction, an axis, a run", d.pointing_bias_rad.to_degrees(), "deg"),
+        ("thrust direction, an axis, noise", d.pointing_jitter_rad.to_degrees(), "deg"),
+        ("gravity", 100.0 * d.gravity, "%"),
+        ("specific impulse", 100.0 * d.specific_impulse, "%"),
+        ("acceleration, an axis, noise", d.acceleration_noise_m_s2, "m/s2"),
+    ];
+    let drawn = rows.into_iter().filter(|(_, deviation, _)| *deviation > 0.0);
+    drawn
+        .map(|(name, deviation, unit)| vec![name.to_owned(), short(deviation), unit.to_owned()])
+        .collect()
 }
 
 fn outcomes(page: &mut Page, summary: &Summary) {

@@ -87,8 +87,8 @@ const FUNCTIONS: [(&str, &str); 8] = [
     ("slide_distance_m", "slide, m"),
 ];
 
-/// Distribution functions of the results that were measured.
-pub fn distribution_functions(data: &Data) -> Result<Figure, StudyError> {
+/// Distribution functions of the results that differ between runs, if any do.
+pub fn distribution_functions(data: &Data) -> Result<Option<Figure>, StudyError> {
     let (mut parts, mut csv) = (String::new(), "result,value,share\n".to_owned());
     let mut panels = 0_i32;
     for (name, words) in FUNCTIONS {
@@ -117,12 +117,12 @@ pub fn distribution_functions(data: &Data) -> Result<Figure, StudyError> {
         parts += &frame.path(&points, "stroke=\"#2b6cb0\" stroke-width=\"1.6\"");
         parts += &frame.axes("", words, "share of the runs");
     }
-    Ok(Figure {
+    Ok((panels > 0).then(|| Figure {
         name: "distributions".to_owned(),
         caption: "Distribution functions over the runs in which each was measured.".to_owned(),
         svg: picture(1020.0, 24.0 + 205.0 * f64::from((panels + 3) / 4), &parts),
         csv,
-    })
+    }))
 }
 
 /// Places drawn of a campaign: more would only cover each other.

@@ -1,8 +1,11 @@
 //! The page of a stability map.
 
 use super::{Figure, Page};
+use crate::map::file::MapCase;
 use crate::map::table::{CaseSummary, cells_csv};
 use crate::map::{Atlas, Mapped, picture};
+use crate::study::summary::short;
+use crate::touchdowns::COLUMNS;
 
 pub fn page(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Page {
     let (study, map) = (atlas.study, atlas.map);
@@ -14,6 +17,11 @@ pub fn page(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Page
          near another outcome by their own margin, were split up to {} times.",
         across[0], across[1], down[0], down[1], map.cells[0], map.cells[1], map.depth
     ));
+    page.paragraph(
+        "The velocity across is along azimuth 0. Cases are called by the legs that come down one after another: 2-2 leads \
+         with two legs, 1-2-1 with one, 1-1-1-1 with one and no symmetry. Flat: all pads touch at once.",
+    );
+    cases(&mut page, atlas);
     page.figure(Figure {
         name: "map".to_owned(),
         caption: "Outcomes over the velocities at contact. A cell whose corners differ has a quarter of each. The \
@@ -56,4 +64,32 @@ pub fn page(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Page
     page.code(&format!("lander map {}.toml", study.name));
     page.study_file(study);
     page
+}
+
+/// What each case is, beside its velocity.
+fn cases(page: &mut Page, atlas: &Atlas) {
+    let row = |case: &MapCase| {
+        let state = atlas.state(case, 0.0, 0.0);
+        let of = |name: &str| COLUMNS.iter().zip(state).find(|(column, _)| column.0 == name);
+        let cell = |name: &str| of(name).map_or(String::new(), |(_, value)| short(value));
+        let held = of("captured").is_some_and(|(_, captured)| captured == 1.0);
+        let mut cells =
+            vec![case.name.clone(), cell("slope_deg"), cell("downhill_deg"), cell("friction")];
+        cells.push(if held { "held" } else { "sliding" }.to_owned());
+        cells.extend([case.heading_deg, case.lean_deg].map(short));
+        cells.extend(["propellant_kg", "gravity_m_s2"].map(cell));
+        cells
+    };
+    let header = [
+        "case",
+        "slope, deg",
+        "downhill towards, deg",
+        "friction",
+        "pads",
+        "heading, deg",
+        "lean, deg",
+        "propellant, kg",
+        "gravity, m/s2",
+    ];
+    page.table("", &header, &atlas.map.cases.iter().map(row).collect::<Vec<_>>());
 }

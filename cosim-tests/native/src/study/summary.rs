@@ -145,13 +145,12 @@ impl Summary {
 }
 
 impl Quantiles {
-    /// `None` for what was never measured, or always the same.
+    /// `None` for what was never measured.
     pub fn new(result: &str, data: &Data) -> Result<Option<Self>, StudyError> {
         let sorted = data.sorted(result)?;
         let of = |share| Quantile { share, bounded: quantile(&sorted, share) };
         let quantiles = SHARES.map(of).to_vec();
-        // What is the same in every run tells nothing.
-        Ok((sorted.first() != sorted.last()).then(|| Self {
+        Ok((!sorted.is_empty()).then(|| Self {
             result: result.to_owned(),
             measured: sorted.len(),
             quantiles,
