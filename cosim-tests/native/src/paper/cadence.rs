@@ -145,9 +145,10 @@ fn curves(flights: &Flights) -> Figure {
     for (index, words) in
         ["mean miss, m", "speed down at contact, 99 %, m/s", "landed, %"].into_iter().enumerate()
     {
-        let tops =
-            curves.iter().flat_map(|(_, _, points)| points[index].iter().map(|point| point[3]));
-        let frame = panel(index, if index == 2 { 100.0 } else { 1.05 * tops.fold(1e-3, f64::max) });
+        let points = curves.iter().flat_map(|(_, _, points)| &points[index]);
+        let tops = points.flat_map(|point| [point[1], point[3]]).filter(|top| top.is_finite());
+        let high = if index == 2 { 100.0 } else { 1.05 * tops.fold(1e-3, f64::max) };
+        let frame = panel(index, high);
         for (number, (mode, colour, points)) in curves.iter().enumerate() {
             let middle: Vec<[f64; 2]> =
                 points[index].iter().map(|point| [point[0], point[1]]).collect();
@@ -155,9 +156,11 @@ fn curves(flights: &Flights) -> Figure {
             for [replan_s, value, low, high] in &points[index] {
                 parts += &frame.dot([*replan_s, *value], 3.0, colour);
                 let x = frame.px(*replan_s);
+                // A bound that the flights are too few for lies beyond the frame.
+                let ends = [*low, *high].map(|bound| bound.clamp(frame.y[0], frame.y[1]));
                 parts += &styled_line(
-                    [x, frame.py(*low)],
-                    [x, frame.py(*high)],
+                    [x, frame.py(ends[0])],
+                    [x, frame.py(ends[1])],
                     &format!("stroke=\"{colour}\""),
                 );
             }

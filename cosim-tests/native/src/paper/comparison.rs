@@ -136,25 +136,25 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
     let mut chapter = Chapter::new("Vehicle comparison: Table V");
     chapter.table(
         "comparison",
-        "Table V (tab:comparison): as printed; by the paper's own numbers; as sourced in \
-         models/vehicles, each number with source and grade there. T/W: thrust over weight on \
+        "Table V (tab:comparison). P: as printed; F: by the paper's own numbers; S: as sourced \
+         in models/vehicles, each number with source and grade there. T/W: thrust over weight on \
          Earth, wet; in the last column on the Moon, empty.",
         &[
             "vehicle",
-            "thrust, printed, kN",
-            "thrust, sourced, kN",
-            "wet mass, printed, kg",
-            "wet mass, sourced, kg",
-            "height, printed, m",
-            "height, sourced, m",
-            "footprint, printed, m",
-            "footprint, sourced, m",
-            "H/D, printed",
-            "H/D, by its numbers",
-            "T/W, printed",
-            "T/W, by its numbers",
-            "T/W, sourced",
-            "T/W on the Moon, sourced",
+            "thrust P, kN",
+            "thrust S, kN",
+            "wet mass P, kg",
+            "wet mass S, kg",
+            "height H P, m",
+            "height H S, m",
+            "footprint D P, m",
+            "footprint D S, m",
+            "H/D P",
+            "H/D F",
+            "T/W P",
+            "T/W F",
+            "T/W S",
+            "T/W Moon S",
         ],
         as_printed,
     );

@@ -4,7 +4,6 @@ use super::{Figure, Page};
 use crate::map::file::MapCase;
 use crate::map::table::{CaseSummary, cells_csv};
 use crate::map::{Atlas, Mapped, picture};
-use crate::study::summary::short;
 use crate::touchdowns::COLUMNS;
 
 pub fn page(atlas: &Atlas, mapped: &[Mapped], summaries: &[CaseSummary]) -> Page {
@@ -71,12 +70,13 @@ fn cases(page: &mut Page, atlas: &Atlas) {
     let row = |case: &MapCase| {
         let state = atlas.state(case, 0.0, 0.0);
         let of = |name: &str| COLUMNS.iter().zip(state).find(|(column, _)| column.0 == name);
-        let cell = |name: &str| of(name).map_or(String::new(), |(_, value)| short(value));
+        let cell = |name: &str| of(name).map_or(String::new(), |(_, value)| value.to_string());
         let held = of("captured").is_some_and(|(_, captured)| captured == 1.0);
         let mut cells =
             vec![case.name.clone(), cell("slope_deg"), cell("downhill_deg"), cell("friction")];
         cells.push(if held { "held" } else { "sliding" }.to_owned());
-        cells.extend([case.heading_deg, case.lean_deg].map(short));
+        cells.extend([case.heading_deg, case.lean_deg].map(|angle| angle.to_string()));
+        cells.push(["x", "y", "z"].map(|axis| cell(&format!("rate_{axis}_deg_s"))).join(" "));
         cells.extend(["propellant_kg", "gravity_m_s2"].map(cell));
         cells
     };
@@ -88,6 +88,7 @@ fn cases(page: &mut Page, atlas: &Atlas) {
         "pads",
         "heading, deg",
         "lean, deg",
+        "rates x y z, deg/s",
         "propellant, kg",
         "gravity, m/s2",
     ];
