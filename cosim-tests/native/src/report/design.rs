@@ -157,18 +157,21 @@ fn outcomes(study: &Study, summary: &DesignSummary) -> Table {
     }
     Table {
         name: "outcomes".to_owned(),
-        caption: format!("Of {} runs each, shares and differences in per cent.", summary.runs_each),
+        caption: format!(
+            "Of {} runs each, shares in per cent, differences in percentage points.",
+            summary.runs_each
+        ),
         header: header(
             study,
             &[
                 "outcome",
                 "runs",
-                "share",
-                "share from",
-                "share to",
-                "difference",
-                "difference from",
-                "difference to",
+                "share, %",
+                "share from, %",
+                "share to, %",
+                "difference, points",
+                "difference from, points",
+                "difference to, points",
                 "p",
             ],
         ),
