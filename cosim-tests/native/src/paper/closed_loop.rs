@@ -109,14 +109,16 @@ pub fn chapter(inputs: &Inputs) -> Result<Chapter, Error> {
         ],
         errors,
     );
-    chapter.differs(
+    let precision_m = printed.number("landing_precision", "m")?;
+    chapter.differs(format!(
         "initial state, altitude and glide slope are not printed, so 12 m and 147 m are trends: \
          the last table shows from which height the paper's truth gives them. Most of its open loop \
          is the error of the start, 10 m and 2 m/s an axis; with a plan of the run's own start \
          it is the second line. This kit's guidance always knows where it is, so its open loop \
          is that one. In either truth a vehicle that replans each 10 s comes within metres of \
-         the target and reaches the ground at metres a second.",
-    );
+         the target and reaches the ground at metres a second. The abstract's \"less than {precision_m} m\" says less than \
+         the 12 m.",
+    ));
     touchdown(&mut chapter, flights);
     outcomes(&mut chapter, flights);
     chapter.figure(super::trajectories::figure(inputs)?);

@@ -213,6 +213,12 @@ fn dimension(from: [f64; 2], to: [f64; 2], words: &str) -> String {
     line(from, to, "#555") + &text(0.5 * (from[0] + to[0]), from[1] + 15.0, "middle", 12, words)
 }
 
+/// A number of the hot fires: a record of tests, which no model here has a say in.
+fn measured(name: &str, unit: &str, decimals: usize, printed: f64) -> Vec<String> {
+    let nothing = || "not a model".to_owned();
+    row(name, unit, [cell(printed, decimals), nothing(), nothing()], "a record of tests")
+}
+
 /// # Errors
 /// A printed number that is missing.
 pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
@@ -295,6 +301,9 @@ pub fn engine(inputs: &Inputs) -> Result<Chapter, Error> {
             "said to exceed 800 to 5200 N; the lower end was not shown: the ratio fired is 4.5, \
              not 6.5. Flown with that range too: Monte Carlo, \"engine as fired\"",
         ),
+        measured("firings", "1", 0, number("hot_fires", "1")?),
+        measured("greatest chamber pressure", "bar", 0, number("hot_fire_pressure_max", "bar")?),
+        measured("best c* efficiency", "1", 3, number("c_star_efficiency_peak", "1")?),
     ];
     chapter.table(
         "engine",
