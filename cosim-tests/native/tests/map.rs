@@ -119,6 +119,9 @@ fn the_map_does_not_depend_on_threads_and_the_page_is_whole() {
     assert!(cells > 9, "{cells}");
     let html = fs::read_to_string(one.join("out/small/report.html")).unwrap();
     assert!(html.contains(svg.as_str()) && html.contains("lander map small.toml"));
+    // Of the case: slope, downhill azimuth, friction, pads.
+    let case = "<td>the case, alone</td><td>0</td><td>0</td><td>0.3</td><td>sliding</td>";
+    assert!(html.contains(case), "{html}");
 }
 
 #[test]

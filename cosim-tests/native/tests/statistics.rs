@@ -145,6 +145,32 @@ fn a_rare_event_is_found_in_steps_and_compared_with_plain_runs() {
     assert!(error.contains("key `kind`: is \"landing\""), "{error}");
 }
 
+/// A crash ends a run at contact, so it says nothing of what comes after.
+#[test]
+fn what_crashed_measures_no_touchdown() {
+    let folder = study("crash", "runs = { value = 20, unit = \"1\" }");
+    let text = fs::read_to_string(folder.join("study.toml")).unwrap();
+    // tip-over.toml takes 5 m/s for a crash.
+    let down = "[[dispersion]]\nkey = \"case.down_m_s\"\ndistribution = \"choice\"\n\
+                values = { value = [1.0, 8.0], unit = \"m/s\" }\n";
+    let text = text.replace("down_m_s = { value = 1.0, unit = \"m/s\" }\n", "") + down;
+    fs::write(folder.join("study.toml"), text).unwrap();
+    let summary = json(&folder, &["campaign", "study.toml", "--out", "out", "--json"]);
+    let outcomes = summary["groups"][0]["outcomes"].as_array().unwrap();
+    let crashed = outcomes.iter().find(|share| share["outcome"] == "crashed").unwrap();
+    let crashed = crashed["runs"].as_u64().unwrap();
+    assert!((2..19).contains(&crashed), "{summary}");
+    let measured = |name: &str| {
+        let results = summary["results"].as_array().unwrap();
+        let found = results.iter().find(|result| result["result"] == name).unwrap();
+        found["measured"].as_u64().unwrap()
+    };
+    assert_eq!(measured("contact_speed_down_m_s"), 20);
+    assert_eq!(measured("peak_leg_load_n"), 20 - crashed);
+    // The same in every run that was measured, and said all the same.
+    assert_eq!(measured("rest_tilt_deg"), 20 - crashed);
+}
+
 #[test]
 fn the_page_is_whole_and_says_how_to_repeat_it() {
     let folder = study("page", "runs = { value = 30, unit = \"1\" }");
@@ -159,6 +185,8 @@ fn the_page_is_whole_and_says_how_to_repeat_it() {
     for word in [
         "30 touchdowns",
         "uniform, 0.5 to 2 m/s",
+        "<td>case.slope_deg</td><td>is 0 deg</td>",
+        "<td>scenario.contact.engine</td><td>is strut</td>",
         "95 % bounds",
         "lander campaign drops.toml --run",
         "SHA-256",

@@ -7,6 +7,7 @@ PICTURE (PNG) and prints what the viewer says of the log's topics.
 """
 
 import functools
+import shutil
 import sys
 import threading
 from collections.abc import Iterator
@@ -19,6 +20,8 @@ from playwright.sync_api import Locator, Page, sync_playwright
 LAYOUT = Path(__file__).parents[2] / "foxglove-layout.json"
 # WebGL without a graphics card.
 RENDERER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"]
+# The viewer is 56 MB of script, which a busy machine takes a while to read.
+PATIENCE_MS = 120_000
 # A page can be given a file by a test through an input element only; what the viewers ask for is
 # a handle that they can keep, which the page's own storage has.
 FILE_PICKER = """
@@ -96,8 +99,10 @@ def studio(folder: Path) -> Iterator[Studio]:
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=RENDERER)
+            chromium = shutil.which("chromium")
+            browser = playwright.chromium.launch(executable_path=chromium, args=RENDERER)
             page = browser.new_page(viewport={"width": 1600, "height": 900})
+            page.set_default_timeout(PATIENCE_MS)
             page.add_init_script(FILE_PICKER)
             viewer = Studio(page)
             page.goto(f"http://127.0.0.1:{server.server_port}/index.html")
