@@ -99,8 +99,24 @@ fn lander(folder: &Path, text: &str, arguments: &[&str]) -> Output {
 fn files(folder: &Path, text: &str, arguments: &[&str]) -> Vec<String> {
     let output = lander(folder, text, arguments);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
+    per_cent_is_per_cent(&folder.join("out/drops"));
     let names = ["results.csv", "summary.json", "report.html", "figures/tip-over.svg"];
     names.map(|name| fs::read_to_string(folder.join("out/drops").join(name)).unwrap()).to_vec()
+}
+
+/// The figure's shares are the table's, in the unit of both headings.
+fn per_cent_is_per_cent(out: &Path) {
+    let table = fs::read_to_string(out.join("tables/outcomes.csv")).unwrap();
+    assert!(table.lines().next().unwrap().contains("\"share, %\""), "{table}");
+    let figure = fs::read_to_string(out.join("figures/tip-over.csv")).unwrap();
+    for line in table.lines().filter(|line| line.contains(",tipped,")) {
+        let (design, cells) = line.split_once(",tipped,").unwrap();
+        let share: f64 = cells.split(',').nth(1).unwrap().parse().unwrap();
+        let start = format!("{design},\"tipped over, %\",");
+        let drawn = figure.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
+        let drawn: f64 = drawn.split(',').next().unwrap().parse().unwrap();
+        assert!((share - drawn).abs() <= 5.1e-3, "{line}: {drawn}");
+    }
 }
 
 fn parse(text: &str) -> Study {
