@@ -59,7 +59,7 @@ impl Map {
     where
         [C::Inner]: tiff::encoder::TiffValue,
     {
-        let folder = std::env::temp_dir().join(format!("heightmap-{}", std::process::id()));
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("heightmap");
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join(format!("{name}.tif"));
         let mut encoder = TiffEncoder::new(File::create(&file).unwrap()).unwrap();
