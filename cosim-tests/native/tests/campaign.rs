@@ -379,9 +379,12 @@ fn wrong_studies_are_refused_before_the_first_run() {
 #[test]
 fn an_impossible_draw_names_its_run() {
     let folder = empty_folder("draw");
-    // Half the draws are negative.
-    let text = text().replace("mean = { value = 1.0", "mean = { value = 0.01");
+    // One draw in forty is negative: not that of the first run.
+    let text = text().replace("deviation = { value = 0.05", "deviation = { value = 0.5");
     let error = refusal(&folder, &text);
+    assert!(!error.contains("run 0:"), "{error}");
+    // It is told before any run.
+    assert_eq!(shards(&folder).len(), 0);
     assert!(error.contains("run ") && error.contains("`vehicle.gear.crush_load_1` drawn as -"));
     assert!(error.contains("must be greater than 0"), "{error}");
 }

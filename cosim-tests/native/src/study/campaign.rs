@@ -78,8 +78,9 @@ impl<'a> Campaign<'a> {
                 missing.push(shard);
             }
         }
-        let runs: u64 = missing.iter().map(|shard| shard.runs.end - shard.runs.start).sum();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        pool.install(|| self.check_draws(&missing))?;
+        let runs: u64 = missing.iter().map(|shard| shard.runs.end - shard.runs.start).sum();
         let progress = Count::new("runs", runs as usize);
         let done = pool.install(|| {
             for shard in &missing {
@@ -92,6 +93,17 @@ impl<'a> Campaign<'a> {
         });
         progress.finish();
         done
+    }
+
+    /// Refuses the first run with a draw that its file does not take, before any is flown. Bounded distributions
+    /// have been tried at their ends.
+    fn check_draws(&self, shards: &[Shard]) -> Result<(), StudyError> {
+        if self.study.drawn().all(|parameter| parameter.distribution.is_bounded()) {
+            return Ok(());
+        }
+        let runs = shards.par_iter().flat_map(|shard| shard.runs.clone());
+        let refused = runs.map(|number| self.study.run(number).err()).find_first(Option::is_some);
+        refused.flatten().map_or(Ok(()), Err)
     }
 
     /// The rows of a shard, unless interrupted.

@@ -218,6 +218,15 @@ impl Distribution {
         }
     }
 
+    /// Whether every draw lies within the `extremes`.
+    pub fn is_bounded(&self) -> bool {
+        match self.shape {
+            Shape::Normal { low, high, .. } => low.is_finite() && high.is_finite(),
+            Shape::LogNormal { .. } => false,
+            _ => true,
+        }
+    }
+
     /// Whether every draw is the same.
     pub fn is_constant(&self) -> bool {
         matches!(self.shape, Shape::Constant(_))
