@@ -53,6 +53,7 @@ impl Limit {
     }
 }
 
+/// The content of a TOML file, or `ConfigError::Unreadable` or `Syntax`.
 pub fn read_table(file: &Path) -> Result<Table, ConfigError> {
     let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
         file: file.to_owned(),
